@@ -15,8 +15,8 @@ use sphvar_samplers::{
 use sphvar_spectrum::{Method, Spectrum, estimate};
 use sphvar_tests::{ks_distance, ks_p_value};
 use sphvar_variance::{
-    Comparison, Crossover, PredictedPoint, PredictionBudget, Predictor, Trials, VariancePoint,
-    crossover, fit_rate, measure, predict,
+    Comparison, Crossover, PredictionBudget, Predictor, Trials, VariancePoint, crossover, fit_rate,
+    measure, predict,
 };
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -136,9 +136,8 @@ fn run(
     let sampler = pattern.build(n, domain)?;
     let energy = integrand.energy(domain, spectrum.lmax())?;
     let prediction = predict(&spectrum, &energy);
-    let known = PredictedPoint { spectrum, prediction };
     let predictor = Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::DEFAULT)?;
-    Ok(predictor.measure(known, &*sampler, Trials::new(trials), &())?)
+    Ok(predictor.measure(prediction, &*sampler, Trials::new(trials), &())?)
 }
 
 fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
@@ -149,10 +148,10 @@ fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
         out,
         "| {} | {} | {} | {} | {:.3e} | {ratio:.3} +- {error:.3} | {:+.1} | {bias:+.1} |",
         cell.pattern,
-        c.predicted.spectrum.n_points(),
+        c.n_points,
         cell.integrand,
         c.measurement.estimates().len(),
-        c.predicted.prediction.variance,
+        c.prediction.variance,
         c.z_score(),
     )?;
     Ok(())
@@ -162,7 +161,7 @@ fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
 fn judge(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
     let normal = Normal::standard();
     let (some, none): (Vec<&Cell>, Vec<&Cell>) =
-        cells.iter().partition(|c| c.comparison.predicted.prediction.variance > NOTHING);
+        cells.iter().partition(|c| c.comparison.prediction.variance > NOTHING);
     let resolved = none.iter().filter(|c| c.comparison.measurement.variance() < NOTHING).count();
     writeln!(
         out,
@@ -189,9 +188,7 @@ fn judge(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
             let (ratio, error) = c.comparison.ratio();
             (ratio - 1.0).abs() > 0.01 + 3.0 * error
         })
-        .map(|c| {
-            format!("{} {} {}", c.pattern, c.comparison.predicted.spectrum.n_points(), c.integrand)
-        })
+        .map(|c| format!("{} {} {}", c.pattern, c.comparison.n_points, c.integrand))
         .collect();
     writeln!(out, "beyond 1 % +- 3 sigma: {} of {}: {beyond:?}", beyond.len(), some.len())?;
     Ok(())
@@ -210,7 +207,7 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
                         c.domain == Domain::Sphere
                             && c.pattern == pattern
                             && c.integrand == integrand
-                            && c.comparison.predicted.spectrum.n_points() >= 768
+                            && c.comparison.n_points >= 768
                     })
                     .map(|c| f(&c.comparison))
                     .collect()

@@ -56,12 +56,11 @@ fn tally(
     seeds: u64,
 ) -> Result<(Tally, f64), Box<dyn Error>> {
     let sampler = pattern.build(n, Domain::Sphere)?;
-    let known = truth(&*sampler, integrand)?;
-    let truth = known.prediction;
+    let truth = truth(&*sampler, integrand)?.prediction;
     let mut tally = Tally { present: 0, missed: 0, outside: 0, seen: 0, seen_present: 0 };
     for seed in 0..seeds {
         let predictor = Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT)?;
-        let got = predictor.measure(known.clone(), &*sampler, Trials::new(trials), &())?;
+        let got = predictor.measure(truth, &*sampler, Trials::new(trials), &())?;
         let interval = got.measured_interval(0.95);
         let seen = seeing(&got) >= 50;
         tally.seen += u64::from(seen);

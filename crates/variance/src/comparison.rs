@@ -1,14 +1,14 @@
-use sphvar_sh::{Bands, Domain};
-
 use crate::known_moments::KnownMoments;
-use crate::{BiasTest, Measurement, PredictedPoint, Prediction, RelativeError, VariancePoint};
+use crate::{BiasTest, Measurement, Prediction, RelativeError, VariancePoint};
 
 /// The variance predicted from a pattern's spectrum and the variance measured on independent
 /// realizations, as returned by [`Predictor::compare`](crate::Predictor::compare).
 #[derive(Clone, Debug)]
-pub struct Comparison<B: Bands = Domain> {
-    /// The spectrum and the variance predicted from it.
-    pub predicted: PredictedPoint<B>,
+pub struct Comparison {
+    /// The number of points N.
+    pub n_points: usize,
+    /// The predicted variance.
+    pub prediction: Prediction,
     /// The estimates of the trials.
     pub measurement: Measurement,
     /// The exact integral, if it is known; of a vector, its norm.
@@ -20,7 +20,7 @@ pub struct Comparison<B: Bands = Domain> {
     pub(crate) known: KnownMoments,
 }
 
-impl<B: Bands> Comparison<B> {
+impl Comparison {
     /// Returns the relative error of the measured variance, from the trials and the known moments
     /// of the integrand.
     #[must_use]
@@ -37,7 +37,7 @@ impl<B: Bands> Comparison<B> {
 
     /// Returns whether the variance exceeds the rounding of estimates.
     fn is_visible(&self) -> bool {
-        self.measurement.variance().max(self.predicted.prediction.variance) > self.rounding
+        self.measurement.variance().max(self.prediction.variance) > self.rounding
     }
 
     /// Returns whether rounding of the integrand's values hides its variation: all estimates are
@@ -45,7 +45,7 @@ impl<B: Bands> Comparison<B> {
     /// estimates. The trials then measure nothing.
     #[must_use]
     pub fn is_rounded_away(&self) -> bool {
-        let expected = self.predicted.prediction.variance;
+        let expected = self.prediction.variance;
         let is_hidden = expected > self.prediction_rounding && expected <= self.rounding;
         is_hidden && self.measurement.variance() == 0.0
     }
@@ -67,8 +67,7 @@ impl<B: Bands> Comparison<B> {
         if !self.is_constant() {
             return self.error().interval(self.measurement.variance(), confidence);
         }
-        let predicted =
-            self.predicted.prediction.variance + self.predicted.prediction.total_stderr();
+        let predicted = self.prediction.variance + self.prediction.total_stderr();
         if predicted <= self.rounding {
             return Some((0.0, predicted.max(self.measurement.variance())));
         }
@@ -85,11 +84,11 @@ impl<B: Bands> Comparison<B> {
         if self.has_too_few_hits() || !self.is_visible() {
             return (f64::NAN, f64::NAN);
         }
-        let ratio = self.measurement.variance() / self.predicted.prediction.variance;
+        let ratio = self.measurement.variance() / self.prediction.variance;
         let relative = self
             .error()
             .relative()
-            .hypot(self.predicted.prediction.total_stderr() / self.predicted.prediction.variance);
+            .hypot(self.prediction.total_stderr() / self.prediction.variance);
         (ratio, ratio * relative)
     }
 
@@ -112,11 +111,10 @@ impl<B: Bands> Comparison<B> {
         if self.has_too_few_hits() {
             return f64::NAN;
         }
-        let (measured, expected) =
-            (self.measurement.variance(), self.predicted.prediction.variance);
+        let (measured, expected) = (self.measurement.variance(), self.prediction.variance);
         // The relative error of mere rounding can have any value.
         let sampling = if self.is_constant() { 0.0 } else { expected * self.expected_error() };
-        let stderr = sampling.hypot(self.predicted.prediction.total_stderr()).hypot(self.rounding);
+        let stderr = sampling.hypot(self.prediction.total_stderr()).hypot(self.rounding);
         (measured - expected) / stderr
     }
 
@@ -139,10 +137,9 @@ impl<B: Bands> Comparison<B> {
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
         let variance = self.measurement.variance();
-        let is_hidden =
-            !self.is_visible() && self.predicted.prediction.variance > self.prediction_rounding;
+        let is_hidden = !self.is_visible() && self.prediction.variance > self.prediction_rounding;
         if self.has_too_few_hits() || is_hidden {
-            let n_points = self.predicted.spectrum.n_points() as f64;
+            let n_points = self.n_points as f64;
             return VariancePoint { n_points, variance, stderr: f64::INFINITY };
         }
         self.point(variance, variance * self.expected_error(), self.rounding)
@@ -151,7 +148,7 @@ impl<B: Bands> Comparison<B> {
     /// Returns the relative standard error of the measured variance if the prediction is right; if
     /// the prediction is 0, the error from the trials alone.
     fn expected_error(&self) -> f64 {
-        let ratio = self.predicted.prediction.variance / self.measurement.variance();
+        let ratio = self.prediction.variance / self.measurement.variance();
         let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
         self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
     }
@@ -159,8 +156,8 @@ impl<B: Bands> Comparison<B> {
     /// Returns the predicted variance at its number of points, with the same conventions.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
-        let Prediction { variance, .. } = self.predicted.prediction;
-        self.point(variance, self.predicted.prediction.total_stderr(), self.prediction_rounding)
+        let Prediction { variance, .. } = self.prediction;
+        self.point(variance, self.prediction.total_stderr(), self.prediction_rounding)
     }
 
     /// Returns whether the prediction has the smaller relative error of the two. This holds where
@@ -171,7 +168,7 @@ impl<B: Bands> Comparison<B> {
             |p: VariancePoint| if p.variance > 0.0 { p.stderr / p.variance } else { 0.0 };
         let (predicted, measured) = (self.predicted_point(), self.measured_point());
         // An unknown error does not count as small.
-        let is_known = !self.predicted.prediction.total_stderr().is_nan();
+        let is_known = !self.prediction.total_stderr().is_nan();
         is_known && (relative(predicted) <= relative(measured) || relative(measured).is_nan())
     }
 
@@ -187,7 +184,7 @@ impl<B: Bands> Comparison<B> {
     }
 
     fn point(&self, variance: f64, stderr: f64, rounding: f64) -> VariancePoint {
-        let n_points = self.predicted.spectrum.n_points() as f64;
+        let n_points = self.n_points as f64;
         if variance > rounding {
             VariancePoint { n_points, variance, stderr }
         } else {

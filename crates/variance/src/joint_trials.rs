@@ -6,7 +6,7 @@ use sphvar_samplers::{Progress, Purpose, Sampler, Stopped};
 
 use crate::estimates::SharedTrials;
 use crate::predictor::predict_together;
-use crate::{Comparison, Error, Measurement, PredictedPoint, Predictor, Trials};
+use crate::{Comparison, Error, Measurement, PredictedPoint, Prediction, Predictor, Trials};
 
 /// Predicts and measures several variances for the same point sets: one for each component of a
 /// [`VectorIntegrand`], and mean squared errors of vectors of components.
@@ -130,7 +130,7 @@ impl<'a> JointTrials<'a> {
     /// Returns the errors of [`Predictor::measure`].
     pub fn measure(
         &self,
-        predicted: Vec<PredictedPoint>,
+        predictions: &[Prediction],
         sampler: &dyn Sampler,
         trials: Trials,
         progress: &dyn Progress,
@@ -141,21 +141,25 @@ impl<'a> JointTrials<'a> {
         let work = SharedWork { progress, expected: Mutex::default() };
         let progress = if self.parts.len() > 1 { &work } else { progress };
         let mut comparisons: Vec<Option<Comparison>> = vec![None; self.parts.len()];
-        let mut points: Vec<Option<PredictedPoint>> = predicted.into_iter().map(Some).collect();
         // Components come first, as they determine the number of trials.
         for is_vector in [false, true] {
-            for (i, part) in self.parts.iter().enumerate() {
+            for (i, (part, &prediction)) in self.parts.iter().zip(predictions).enumerate() {
                 if part.weights.is_some() != is_vector {
                     continue;
                 }
-                let Some(point) = points.get_mut(i).and_then(Option::take) else { continue };
                 work.begin();
                 comparisons[i] = Some(match &part.weights {
                     None => {
                         let component = part.components.start;
                         let mut source = |range| shared.estimates(component, range);
                         let Part { predictor, .. } = part;
-                        predictor.measure_from(&mut source, point, sampler, trials, progress)?
+                        predictor.measure_from(
+                            &mut source,
+                            prediction,
+                            sampler,
+                            trials,
+                            progress,
+                        )?
                     }
                     Some(weights) => {
                         let all = 0..shared.known().max(trials.count);
@@ -163,7 +167,7 @@ impl<'a> JointTrials<'a> {
                         let components: Result<Vec<_>, Error> =
                             part.components.clone().map(of).collect();
                         let measurement = Measurement::of_vector(&components?, weights);
-                        part.predictor.comparison(point, measurement, sampler)
+                        part.predictor.comparison(prediction, measurement, sampler)
                     }
                 });
             }
@@ -183,7 +187,8 @@ impl<'a> JointTrials<'a> {
         progress: &dyn Progress,
     ) -> Result<Vec<Comparison>, Error> {
         let predicted = self.predict(sampler, progress)?;
-        self.measure(predicted, sampler, trials, progress)
+        let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
+        self.measure(&predictions, sampler, trials, progress)
     }
 }
 

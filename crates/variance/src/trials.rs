@@ -7,7 +7,7 @@ use crate::estimates::{estimates, trial_work_of};
 use crate::known_moments::{KnownMoments, equal_points};
 use crate::space::IntegrationSpace;
 use crate::stopping::until;
-use crate::{Comparison, Error, Measurement, Precision, PredictedPoint, PredictorOn};
+use crate::{Comparison, Error, Measurement, Precision, Prediction, PredictorOn};
 
 /// The number of trials from which a variance is measured, fixed or by a requested precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +68,7 @@ impl Trials {
 
 impl<S: IntegrationSpace> PredictorOn<'_, S> {
     /// Returns the predicted and the measured variance for a sampler with uniformly rotated
-    /// realizations, by [`Self::predict`] and [`Self::measure`].
+    /// realizations, by [`Self::predict`], which also has the spectrum, and [`Self::measure`].
     ///
     /// # Errors
     ///
@@ -93,9 +93,9 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
         sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison<S::Bands>, Error> {
+    ) -> Result<Comparison, Error> {
         let predicted = self.predict(sampler, progress)?;
-        self.measure(predicted, sampler, trials, progress)
+        self.measure(predicted.prediction, sampler, trials, progress)
     }
 
     /// Returns the comparison of a prediction with the variance measured from the same seed, on
@@ -107,29 +107,29 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
     /// Returns the errors of [`measure`](crate::measure) and [`measure_until`](crate::measure_until).
     pub fn measure(
         &self,
-        predicted: PredictedPoint<S::Bands>,
+        prediction: Prediction,
         sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison<S::Bands>, Error> {
+    ) -> Result<Comparison, Error> {
         let (space, integrand) = (self.space(), self.integrand());
         let sets = self.realizations(Purpose::Trial, sampler);
         let mut source = |trials| estimates(space, &sets, integrand, trials, progress);
-        self.measure_from(&mut source, predicted, sampler, trials, progress)
+        self.measure_from(&mut source, prediction, sampler, trials, progress)
     }
 
     /// Returns [`Self::measure`] for estimates of the given trials from `source`.
     pub(crate) fn measure_from(
         &self,
         source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
-        predicted: PredictedPoint<S::Bands>,
+        prediction: Prediction,
         sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison<S::Bands>, Error> {
+    ) -> Result<Comparison, Error> {
         let known = self.known_moments(sampler);
         // No number of trials makes a variance due to rounding precise.
-        let is_visible = predicted.prediction.variance > self.estimate_rounding();
+        let is_visible = prediction.variance > self.estimate_rounding();
         let measurement = match trials.until.filter(|_| is_visible) {
             None => Measurement::new(source(0..trials.count)?),
             Some(target) => {
@@ -138,18 +138,19 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
                 until(source, trial_work_of::<S>(sampler), start, target, progress)?
             }
         };
-        Ok(self.comparison(predicted, measurement, sampler))
+        Ok(self.comparison(prediction, measurement, sampler))
     }
 
     /// Returns the comparison of a prediction with a measurement for the same sampler.
     pub(crate) fn comparison(
         &self,
-        predicted: PredictedPoint<S::Bands>,
+        prediction: Prediction,
         measurement: Measurement,
         sampler: S::SamplerRef<'_>,
-    ) -> Comparison<S::Bands> {
+    ) -> Comparison {
         Comparison {
-            predicted,
+            n_points: S::n_points(sampler),
+            prediction,
             measurement,
             exact: self.space().integral(self.integrand()),
             rounding: self.estimate_rounding(),

@@ -25,7 +25,7 @@ fn check_fields(patterns: &[(&str, usize)], lmax: usize, fields: u64, trials: u6
             let budget = PredictionBudget::DEFAULT;
             let mut predictor = Predictor::new(&*f, Domain::Sphere, SEED + field, budget).unwrap();
             let got = predictor.compare(&*sampler, Trials::new(trials), &()).unwrap();
-            let prediction = got.predicted.prediction;
+            let prediction = got.prediction;
             let measured = got.measurement.variance();
             let stderr = got.measurement.variance_stderr().hypot(prediction.stderr);
             let what = || format!("{name} {n}, field {field}");

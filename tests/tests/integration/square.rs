@@ -59,7 +59,7 @@ fn cells(patterns: &[&str], integrands: &[&str], counts: &[usize], trials: u64) 
                 let compared = predictor.compare(&*sampler, Trials::new(trials), &()).unwrap();
                 cells.push(Cell {
                     name: format!("{pattern}, N = {}, {text}", sampler.n_points()),
-                    predicted: compared.predicted.prediction.variance,
+                    predicted: compared.prediction.variance,
                     ratio: compared.ratio().0,
                     z: compared.z_score(),
                 });

@@ -239,7 +239,7 @@ where
     BandsOf<P>: ShownBands,
 {
     let degrees = |row: &Row<P>| {
-        let spectrum = &row.comparison.predicted.spectrum;
+        let spectrum = &row.spectrum;
         let (sampler, n) = (row.pattern.to_string(), spectrum.n_points());
         let record = move |(l, power, stderr)| {
             let omega = l as f64 / (n as f64).sqrt();

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_variance::{Comparison, PredictedPoint};
+use sphvar_variance::Comparison;
 
 use super::power_chart::largest_radius;
 use super::rows::Row;
@@ -106,8 +106,7 @@ const CONFIDENCE: f64 = 0.95;
 
 impl RowRecord {
     pub(super) fn new<P: PredictedPattern>(row: &Row<P>) -> Self {
-        let Comparison { predicted, measurement, .. } = &row.comparison;
-        let PredictedPoint { spectrum, prediction } = predicted;
+        let Comparison { prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
         let measured = row.comparison.measured_interval(CONFIDENCE);
@@ -132,10 +131,10 @@ impl RowRecord {
             integrand: row.integrand.clone(),
             domain: row.domain,
             n_requested: row.requested,
-            n: spectrum.n_points(),
+            n: row.comparison.n_points,
             n_effective: row.n_effective,
-            lmax: largest_radius(spectrum),
-            realizations: spectrum.realizations(),
+            lmax: largest_radius(&row.spectrum),
+            realizations: row.spectrum.realizations(),
             trials: measurement.estimates().len(),
             predicted: prediction.variance,
             predicted_stderr: prediction.stderr,

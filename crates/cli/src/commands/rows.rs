@@ -2,7 +2,7 @@
 
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
-use sphvar_spectrum::Resolution;
+use sphvar_spectrum::{Resolution, Spectrum};
 use sphvar_variance::{
     Comparison, IntegrationSpace, JointTrials, Precision, PredictedPoint, PredictionBudget,
     Predictor, SpectrumOptions, Trials, check_degree as check_settled, prediction_degree,
@@ -108,7 +108,9 @@ pub(super) struct Row<P: PredictedPattern = Pattern> {
     pub(super) domain: &'static str,
     pub(super) pattern: P,
     pub(super) requested: usize,
-    pub(super) comparison: Comparison<BandsOf<P>>,
+    /// The spectrum from which the variance is predicted.
+    pub(super) spectrum: Spectrum<BandsOf<P>>,
+    pub(super) comparison: Comparison,
     /// The effective number of points, if they have weights.
     pub(super) n_effective: Option<f64>,
 }
@@ -119,7 +121,8 @@ impl<P: PredictedPattern> Case<P> {
         &self,
         integrand: &str,
         domain: &'static str,
-        comparison: Comparison<BandsOf<P>>,
+        spectrum: Spectrum<BandsOf<P>>,
+        comparison: Comparison,
     ) -> Row<P> {
         Row {
             integrand: integrand.to_owned(),
@@ -128,7 +131,8 @@ impl<P: PredictedPattern> Case<P> {
             domain,
             pattern: self.pattern.clone(),
             requested: self.requested,
-            n_effective: n_effective::<P>(self.sampler(), &comparison.predicted.spectrum),
+            n_effective: n_effective::<P>(self.sampler(), &spectrum),
+            spectrum,
             comparison,
         }
     }
@@ -196,10 +200,13 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
         let predicted = plan.predict(&mut joint, case, &progress)?;
         let trials = plan.effort.trials_of::<Domain>(case.sampler());
-        let comparisons = joint.measure(predicted, case.sampler(), trials, &progress)?;
+        let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
+        let comparisons = joint.measure(&predictions, case.sampler(), trials, &progress)?;
         let integrals = plan.integrals.all();
-        for (i, (integral, comparison)) in integrals.iter().zip(comparisons).enumerate() {
-            let row = case.row(&integral.integrand.name, plan.domain.name(), comparison);
+        let results = predicted.into_iter().zip(comparisons);
+        for (i, (integral, (point, comparison))) in integrals.iter().zip(results).enumerate() {
+            let name = &integral.integrand.name;
+            let row = case.row(name, plan.domain.name(), point.spectrum, comparison);
             let name = (integrals.len() > 1).then(|| integral.label.clone());
             rows.push(Row { integral: name, is_main: i + 1 == integrals.len(), ..row });
         }

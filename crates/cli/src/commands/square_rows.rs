@@ -84,8 +84,8 @@ pub(super) fn run(
             }
         }
         let trials = effort.trials_of::<Square>(case.sampler());
-        let comparison = predictor.measure(point, case.sampler(), trials, &progress)?;
-        rows.push(case.row(&integrand.name, "square", comparison));
+        let comparison = predictor.measure(point.prediction, case.sampler(), trials, &progress)?;
+        rows.push(case.row(&integrand.name, "square", point.spectrum, comparison));
     }
     let energy = predictor.energy().clone();
     Ok((rows, energy))

@@ -38,7 +38,7 @@ const MAX_KEPT: usize = 256;
 /// // (1 - sinc^2(3/8))/(2 N), of which the measured variance differs by its error.
 /// let sinc = (0.375 * std::f64::consts::PI).sin() / (0.375 * std::f64::consts::PI);
 /// let expected = (1.0 - sinc * sinc) / 128.0;
-/// assert!((compared.predicted.prediction.variance / expected - 1.0).abs() < 1e-12);
+/// assert!((compared.prediction.variance / expected - 1.0).abs() < 1e-12);
 /// assert!(compared.z_score().abs() < 4.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -53,7 +53,7 @@ fn weighted_rules_have_the_variance_of_their_pairs() {
             let expected = by_pairs(&rule(1.0), l);
             // 1e-310 has 14 fewer digits.
             let tolerance = if scale < 1e-300 { 1e-9 } else { 1e-12 };
-            let predicted = got.predicted.prediction;
+            let predicted = got.prediction;
             let off = (predicted.variance - expected).abs();
             assert!(off <= tolerance, "Y_{l},{m} {scale:e}: {predicted:?}, {expected}");
             assert!(predicted.stderr <= 0.0);
@@ -88,7 +88,7 @@ fn several_sets_have_the_mean_variance() {
     let options = SpectrumOptions { lmax: Some(300), ..Default::default() };
     let mut predictor = predictor(&cap).with_options(options);
     let got = predictor.compare(&sets, Trials::new(4000), &()).unwrap();
-    let predicted = got.predicted.prediction;
+    let predicted = got.prediction;
     assert!((predicted.variance / expected - 1.0).abs() < 1e-12, "{predicted:?}, {expected}");
     assert!(predicted.stderr <= 0.0);
     assert!(got.z_score().abs() < 4.5, "{}", got.z_score());
@@ -210,7 +210,7 @@ fn work_can_be_stopped() {
         assert_eq!(predictor(&cap).predict(&*sampler, &Never).map(|_| ()), stopped, "{name}");
         let mut predictor = predictor(&cap);
         let known = predictor.predict(&*sampler, &()).unwrap();
-        let measured = predictor.measure(known, &*sampler, Trials::new(10), &Never);
+        let measured = predictor.measure(known.prediction, &*sampler, Trials::new(10), &Never);
         assert_eq!(measured.map(|_| ()), stopped, "{name}");
     }
 }

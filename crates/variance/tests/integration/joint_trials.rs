@@ -51,11 +51,14 @@ fn joint_results_are_bit_identical_to_single_ones() {
             for (component, function) in functions.iter().enumerate() {
                 joint = joint.with_component(component, predictor(&**function));
             }
+            let points = joint.predict(&*sampler, &()).unwrap();
             let got = joint.compare(&*sampler, trials, &()).unwrap();
-            assert_eq!(got.len(), functions.len());
-            for (got, function) in got.iter().zip(&functions) {
-                let alone = predictor(&**function).compare(&*sampler, trials, &()).unwrap();
-                assert_eq!(got.predicted, alone.predicted, "{name}");
+            assert_eq!([points.len(), got.len()], [functions.len(); 2]);
+            for ((got, point), function) in got.iter().zip(&points).zip(&functions) {
+                let mut predictor = predictor(&**function);
+                assert_eq!(predictor.predict(&*sampler, &()).unwrap(), *point, "{name}");
+                let alone = predictor.compare(&*sampler, trials, &()).unwrap();
+                assert_eq!(got.prediction, alone.prediction, "{name}");
                 assert_eq!(got.measurement, alone.measurement, "{name}");
                 assert_eq!(got.exact, alone.exact);
                 assert_eq!(got.z_score().to_bits(), alone.z_score().to_bits());

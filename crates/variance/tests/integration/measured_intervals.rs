@@ -9,8 +9,8 @@ use rand_distr::{Distribution, Exp1, StandardNormal, StudentT};
 use sphvar_integrands::{Cap, Circle, Integrand, SampledFunction, Shape};
 use sphvar_samplers::{Pattern, Purpose, Streams};
 use sphvar_variance::{
-    Comparison, Domain, Measurement, PredictedPoint, PredictionBudget, Predictor, RateFit,
-    Spectrum, Trials, VariancePoint, fit_rate, predict,
+    Comparison, Domain, Measurement, PredictionBudget, Predictor, RateFit, Spectrum, Trials,
+    VariancePoint, fit_rate, predict,
 };
 
 const SEED: u64 = 3;
@@ -231,10 +231,9 @@ fn comparison(
     let energy = integrand.energy(Domain::Sphere, 8).unwrap();
     let spectrum = Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]);
     let prediction = predict(&spectrum, &energy);
-    let known = PredictedPoint { spectrum, prediction };
     let predictor =
         Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT).unwrap();
-    predictor.measure(known, &*sampler, Trials::new(trials), &()).unwrap()
+    predictor.measure(prediction, &*sampler, Trials::new(trials), &()).unwrap()
 }
 
 /// The curvature of power laws with errors of 2 %, known or estimated from the scatter, is

@@ -160,11 +160,11 @@ fn invalid_sets_are_errors_and_trials_are_shifted() {
     let compared = predictor.compare(&pair, Trials::new(500), &()).unwrap();
     // Half a turn of the wave apart, so every estimate is 0.
     assert!(compared.measurement.estimates().iter().all(|e| e.abs() < 1e-14));
-    assert!(compared.predicted.prediction.variance <= 0.0 && !compared.has_too_few_hits());
+    assert!(compared.prediction.variance <= 0.0 && !compared.has_too_few_hits());
     let one = sampler(vec![PointSet::new(vec![[0.1, 0.2]])]);
     let compared = predictor.compare(&one, Trials::new(2000), &()).unwrap();
     // The cosine of a uniform angle: five standard errors.
-    assert!((compared.predicted.prediction.variance - 0.5).abs() < 1e-12);
+    assert!((compared.prediction.variance - 0.5).abs() < 1e-12);
     assert!(compared.z_score().abs() < 5.0, "{}", compared.z_score());
     assert_eq!(wave.band_limit(), Some(3));
     assert_eq!(pair.n_points(), 2);

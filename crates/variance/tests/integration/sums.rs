@@ -112,7 +112,8 @@ fn constants_take_no_part_in_predictions() {
             let point = predictor.predict(&*sampler, &()).unwrap();
             let what = format!("{pattern} + {constant:e}");
             assert_close(&what, point.prediction.variance, expected, expected);
-            let got = predictor.measure(point, &*sampler, Trials::new(100), &()).unwrap();
+            let trials = Trials::new(100);
+            let got = predictor.measure(point.prediction, &*sampler, trials, &()).unwrap();
             assert_close(&what, got.best_point().variance, expected, expected);
             assert!(got.z_score().abs() < 4.0, "{what}: {}", got.z_score());
             let (low, high) = got.measured_interval(0.9999).unwrap();

@@ -49,9 +49,7 @@ where
     BandsOf<P>: ShownBands,
 {
     let shown: Vec<_> = (curves.iter().zip(inks_of(curves)))
-        .filter_map(|(curve, ink)| {
-            Some((curve.pattern, &curve.rows.last()?.comparison.predicted.spectrum, ink))
-        })
+        .filter_map(|(curve, ink)| Some((curve.pattern, &curve.rows.last()?.spectrum, ink)))
         .collect();
     let first = shown.first().map(|curve| curve.1.n_points());
     let common = first.filter(|&n| shown.iter().all(|curve| curve.1.n_points() == n));

@@ -19,7 +19,7 @@ impl<'a, P: PredictedPattern> Curve<'a, P> {
     pub(in crate::commands) fn new(pattern: &'a P, rows: &'a [Row<P>]) -> Self {
         let is_own = |r: &&Row<P>| r.is_main && r.pattern == *pattern;
         let mut rows: Vec<&Row<P>> = rows.iter().filter(is_own).collect();
-        rows.sort_by_key(|r| r.comparison.predicted.spectrum.n_points());
+        rows.sort_by_key(|r| r.comparison.n_points);
         Self { pattern, rows }
     }
 
@@ -40,9 +40,9 @@ impl<'a, P: PredictedPattern> Curve<'a, P> {
 
     pub(super) fn summary(&self, energy: &Energy<BandsOf<P>>) -> Option<SamplerRecord> {
         let last = self.rows.last()?;
-        let n = last.comparison.predicted.spectrum.n_points();
+        let n = last.comparison.n_points;
         let white = energy.bands().factor(n) * energy.beyond(0);
-        let by_prediction = |c: &Comparison<BandsOf<P>>| c.is_prediction_more_precise();
+        let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
         let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
         let (basis, fit) = match n_predicted {
             0 => ("measured", fit_rate(&self.best())),
