@@ -75,6 +75,30 @@ impl EnvironmentMap {
         Self { first_longitude, ..self }
     }
 
+    /// Returns the number of texels in a row.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Returns the texels, row by row from the north pole.
+    #[must_use]
+    pub fn texels(&self) -> &[f64] {
+        &self.texels
+    }
+
+    /// Returns the longitude of the left edge of the first column, in radians.
+    #[must_use]
+    pub fn first_longitude(&self) -> f64 {
+        self.first_longitude
+    }
+
     /// Returns the coefficients `F_lm` of the map on the sphere, or of its upper half alone, to
     /// degree `lmax`.
     ///
