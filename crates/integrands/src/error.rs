@@ -168,6 +168,19 @@ pub enum Error {
         /// The largest number.
         max: usize,
     },
+    /// A density is 0 where the integrand is not.
+    #[error(
+        "the density is 0 where the integrand is not: at theta = {theta:.1}, phi = {phi:.1} degrees; \
+         {:.2} % of the integral of |f| is lost; `floor=` mixes in the uniform density", 100.0 * share
+    )]
+    ZeroDensity {
+        /// The colatitude of a direction that no point reaches, in degrees.
+        theta: f64,
+        /// Its longitude in degrees, in [0, 360).
+        phi: f64,
+        /// The share of `int |f|` in such directions.
+        share: f64,
+    },
     /// A harmonic evaluation or transform rejected its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),

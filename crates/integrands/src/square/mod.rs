@@ -12,6 +12,7 @@ mod grid;
 mod integrand;
 mod legendre_expansion;
 mod panel_series;
+mod pulled_back;
 mod separable;
 mod spherical_bessel;
 mod sum;
@@ -19,6 +20,7 @@ mod turns;
 
 pub use adaptive::AdaptiveSquareFunction;
 pub use integrand::SquareIntegrand;
+pub use pulled_back::{Heuristic, LargestRatio, PulledBack, Strategy};
 pub use sum::{SquareExpression, SquareSum};
 
 use sphvar_grammar::Parametric;
