@@ -1,6 +1,7 @@
 //! The samplers of the command line.
 
 mod predicted;
+mod sampler_name;
 
 use std::path::Path;
 
@@ -21,6 +22,7 @@ use crate::report::say;
 use crate::spec::Spec;
 
 pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effective};
+pub(crate) use self::sampler_name::SamplerName;
 
 /// The name of all patterns together, for subcommands that accept several.
 const ALL: &str = "all";

@@ -9,7 +9,6 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sphvar_integrands::Energy;
 use sphvar_samplers::Square;
 
 pub(super) use self::charts::variance_chart;
@@ -20,9 +19,8 @@ use self::result_folder::{RECORD, ResultFolder};
 use self::text::text;
 use super::crossovers::crossovers;
 use super::effort::EffortArgs;
-use super::power_chart::ShownBands;
 use super::row_record::RowRecord;
-use super::rows::{self, Case, Row};
+use super::rows::{self, Case, Row, ShownEnergy};
 use super::square_rows;
 use crate::error::CliError;
 use crate::flags::{
@@ -32,7 +30,7 @@ use crate::global::Global;
 use crate::integrands::{
     self, Integrals, parse_integrands, parse_square_integrand, with_integrals,
 };
-use crate::patterns::{BandsOf, PredictedPattern, parse_patterns};
+use crate::patterns::{PredictedPattern, parse_patterns};
 use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -123,7 +121,7 @@ fn run_integrals(
     let output = Output::open(args, global)?;
     let (rows, energy) = rows::run(&plan, &cases)?;
     let subject = Subject { text: plan.subject(), integrand: &plan.integrand.name };
-    output.write(&patterns, &rows, &energy, &subject)
+    output.write(&rows, &energy, &subject)
 }
 
 /// Compares patterns of the unit square.
@@ -135,7 +133,7 @@ fn run_square(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let output = Output::open(args, global)?;
     let (rows, energy) = square_rows::run(&integrand, &effort, &cases)?;
     let subject = Subject { text: integrand.subject(), integrand: &integrand.name };
-    output.write(&patterns, &rows, &energy, &subject)
+    output.write(&rows, &energy, &subject)
 }
 
 /// Returns each pattern once.
@@ -172,21 +170,16 @@ impl<'a> Output<'a> {
     }
 
     /// Writes the results into the folder and prints the tables.
-    fn write<P: PredictedPattern>(
+    fn write(
         self,
-        patterns: &[P],
-        rows: &[Row<P>],
-        energy: &Energy<BandsOf<P>>,
+        rows: &[Row],
+        energy: &ShownEnergy,
         subject: &Subject<'_>,
-    ) -> Result<(), CliError>
-    where
-        BandsOf<P>: ShownBands,
-    {
+    ) -> Result<(), CliError> {
         let Self { args, global, provenance, folder } = self;
-        let curves: Vec<Curve<'_, P>> = patterns.iter().map(|p| Curve::new(p, rows)).collect();
-        let samplers: Vec<SamplerRecord> =
-            curves.iter().filter_map(|c| c.summary(energy)).collect();
-        let best: Vec<_> = curves.iter().map(|c| (c.pattern, c.best())).collect();
+        let curves = Curve::all(rows);
+        let samplers: Vec<SamplerRecord> = curves.iter().filter_map(Curve::summary).collect();
+        let best: Vec<_> = curves.iter().map(|c| (c.sampler.clone(), c.best())).collect();
         let crossovers = crossovers(&best, global.seed);
         let records: Vec<RowRecord> = rows.iter().map(RowRecord::new).collect();
         let body = ComparisonBody { rows: records, samplers, crossovers };
@@ -202,23 +195,20 @@ impl<'a> Output<'a> {
 }
 
 /// The contents of the result folder.
-struct Written<'a, P: PredictedPattern> {
+struct Written<'a> {
     body: &'a ComparisonBody,
-    rows: &'a [Row<P>],
-    curves: &'a [Curve<'a, P>],
-    energy: &'a Energy<BandsOf<P>>,
+    rows: &'a [Row],
+    curves: &'a [Curve<'a>],
+    energy: &'a ShownEnergy,
     subject: &'a Subject<'a>,
 }
 
-impl<P: PredictedPattern> Written<'_, P>
-where
-    BandsOf<P>: ShownBands,
-{
+impl Written<'_> {
     fn to(&self, folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
         write_text(&folder.join("comparison.csv"), &csv_of(provenance, &self.body.rows)?)?;
         write_text(&folder.join("spectra.csv"), &csv_of(provenance, &degrees(self.rows))?)?;
         let charts = [
-            ("spectra", spectra_chart(self.curves)),
+            ("spectra", spectra_chart(self.curves, self.energy.texts)),
             ("variance", variance_chart(self.curves, &self.subject.text)),
             ("integrand", integrand_chart(self.energy, self.subject.integrand)),
         ];
@@ -234,18 +224,14 @@ where
 }
 
 /// Returns the power by degree, or by radius, of all spectra.
-fn degrees<P: PredictedPattern>(rows: &[Row<P>]) -> Vec<DegreeRecord>
-where
-    BandsOf<P>: ShownBands,
-{
-    let degrees = |row: &Row<P>| {
-        let spectrum = &row.spectrum;
-        let (sampler, n) = (row.pattern.to_string(), spectrum.n_points());
-        let record = move |(l, power, stderr)| {
+fn degrees(rows: &[Row]) -> Vec<DegreeRecord> {
+    let degrees = |row: &Row| {
+        let (sampler, n) = (row.sampler.text.clone(), row.comparison.n_points);
+        let record = move |&(l, power, stderr): &(usize, f64, f64)| {
             let omega = l as f64 / (n as f64).sqrt();
             DegreeRecord { sampler: sampler.clone(), n, l, omega, power, stderr }
         };
-        <BandsOf<P>>::power_by_radius(spectrum).into_iter().map(record).collect::<Vec<_>>()
+        row.power.iter().map(record).collect::<Vec<_>>()
     };
     // Other integrals of the same sets have the same spectra.
     rows.iter().filter(|row| row.is_main).flat_map(degrees).collect()

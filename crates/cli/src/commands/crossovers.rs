@@ -5,7 +5,7 @@ use serde::Serialize;
 use sphvar_samplers::{Purpose, Streams};
 use sphvar_variance::{Crossover, VariancePoint};
 
-use crate::patterns::PredictedPattern;
+use crate::patterns::SamplerName;
 use crate::report::number;
 
 /// A crossing of the variance curves of two samplers.
@@ -38,13 +38,13 @@ impl CrossoverRecord {
 
 /// Returns the significant crossings of every pair of curves, each given by a sampler and its
 /// points by N. Curves that reach the variance 0 are omitted.
-pub(super) fn crossovers<P: PredictedPattern>(
-    curves: &[(&P, Vec<VariancePoint>)],
+pub(super) fn crossovers(
+    curves: &[(SamplerName, Vec<VariancePoint>)],
     seed: u64,
 ) -> Vec<CrossoverRecord> {
     let mut found = Vec::new();
-    for (i, (pattern_a, a)) in curves.iter().enumerate() {
-        for (j, (pattern_b, b)) in curves.iter().enumerate().skip(i + 1) {
+    for (i, (sampler_a, a)) in curves.iter().enumerate() {
+        for (j, (sampler_b, b)) in curves.iter().enumerate().skip(i + 1) {
             if a.iter().chain(b).any(|p| p.variance <= 0.0) {
                 continue;
             }
@@ -52,14 +52,14 @@ pub(super) fn crossovers<P: PredictedPattern>(
             let record = |crossover: Crossover| {
                 let Crossover { n_points, interval, bracket, confidence, .. } = crossover;
                 let (above, below) = if crossover.first_is_better_above {
-                    (pattern_a, pattern_b)
+                    (sampler_a, sampler_b)
                 } else {
-                    (pattern_b, pattern_a)
+                    (sampler_b, sampler_a)
                 };
                 CrossoverRecord {
-                    better_below: below.to_string(),
-                    better_above: above.to_string(),
-                    labels: [below.label(), above.label()],
+                    better_below: below.text.clone(),
+                    better_above: above.text.clone(),
+                    labels: [below.label.clone(), above.label.clone()],
                     n: n_points,
                     interval: (interval.0.min(bracket.0), interval.1.max(bracket.1)),
                     confidence,

@@ -11,25 +11,31 @@ const ROUNDING: f64 = 1e-20;
 /// With more curves than this, the bands would cover each other.
 const MAX_BANDS: usize = 3;
 
+/// The titles and styles of charts over the radii of bands.
+#[derive(Debug)]
+pub(super) struct BandTexts {
+    /// The title of charts of spectra.
+    pub(super) title: &'static str,
+    /// The axis of radii divided by sqrt(N).
+    frequency: &'static str,
+    /// The axis of power.
+    power: &'static str,
+    /// The name of a radius.
+    pub(super) unit: &'static str,
+    /// The axis of radii.
+    pub(super) radius: &'static str,
+    /// The axis of energies, before the total.
+    pub(super) energy: &'static str,
+    /// The note of a chart with bins, with or without their ranges.
+    pub(super) binned: [&'static str; 2],
+    /// How curves that lack the radii with power 0 are drawn.
+    with_gaps: Style,
+}
+
 /// Bands whose spectra and energies are drawn against their radius.
 pub(super) trait ShownBands: Bands {
-    /// The title of charts of spectra.
-    const TITLE: &str;
-    /// The axis of radii divided by sqrt(N).
-    const FREQUENCY: &str;
-    /// The axis of power.
-    const POWER: &str;
-    /// The name of a radius.
-    const UNIT: &str;
-    /// The axis of radii.
-    const RADIUS: &str;
-    /// The axis of energies, before the total.
-    const ENERGY: &str;
-
-    /// The note of a chart with bins, with or without their ranges.
-    const BINNED: [&str; 2];
-    /// How curves that lack the radii with power 0 are drawn.
-    const WITH_GAPS: Style;
+    /// The titles and styles of their charts.
+    const TEXTS: &BandTexts;
 
     /// Returns the radii from 0 with mean power and standard error.
     fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)>;
@@ -59,14 +65,16 @@ pub(super) fn whole(radius: f64) -> usize {
 }
 
 impl ShownBands for Domain {
-    const TITLE: &str = "Angular power spectra";
-    const FREQUENCY: &str = "frequency l / \u{221a}N";
-    const POWER: &str = "power P(l), white noise = 1";
-    const UNIT: &str = "degree";
-    const RADIUS: &str = "degree l";
-    const ENERGY: &str = "energy E(l) / total";
-    const BINNED: [&str; 2] = [Binned::NOTE, Binned::NOTE_OF_MEANS];
-    const WITH_GAPS: Style = Style::Line;
+    const TEXTS: &BandTexts = &BandTexts {
+        title: "Angular power spectra",
+        frequency: "frequency l / \u{221a}N",
+        power: "power P(l), white noise = 1",
+        unit: "degree",
+        radius: "degree l",
+        energy: "energy E(l) / total",
+        binned: [Binned::NOTE, Binned::NOTE_OF_MEANS],
+        with_gaps: Style::Line,
+    };
 
     fn power_by_radius(spectrum: &Spectrum) -> Vec<(usize, f64, f64)> {
         spectrum.rows().collect()
@@ -85,15 +93,17 @@ impl ShownBands for Domain {
 }
 
 impl ShownBands for Frequencies {
-    const TITLE: &str = "Radial means of power spectra";
-    const FREQUENCY: &str = "frequency |k| / \u{221a}N";
-    const POWER: &str = "radial mean of the power, white noise = 1";
-    const UNIT: &str = "ring of |k|";
-    const RADIUS: &str = "frequency |k|";
-    const ENERGY: &str = "energy of all k with this |k| / total";
-    const BINNED: [&str; 2] = [Binned::NOTE_OF_RINGS, Binned::NOTE_OF_MEANS_OF_RINGS];
-    // A line would connect the peaks of a lattice across rings without power.
-    const WITH_GAPS: Style = Style::Markers;
+    const TEXTS: &BandTexts = &BandTexts {
+        title: "Radial means of power spectra",
+        frequency: "frequency |k| / \u{221a}N",
+        power: "radial mean of the power, white noise = 1",
+        unit: "ring of |k|",
+        radius: "frequency |k|",
+        energy: "energy of all k with this |k| / total",
+        binned: [Binned::NOTE_OF_RINGS, Binned::NOTE_OF_MEANS_OF_RINGS],
+        // A line would connect the peaks of a lattice across rings without power.
+        with_gaps: Style::Markers,
+    };
 
     fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)> {
         let zero = (0, spectrum.power()[0], 0.0);
@@ -137,16 +147,16 @@ pub(super) struct PowerCurve {
 
 impl PowerCurve {
     /// Returns the curve of the degrees l >= 1 up to `max_frequency` sqrt(N).
-    pub(super) fn new<B: ShownBands>(
+    pub(super) fn new(
         label: impl Into<String>,
-        spectrum: &Spectrum<B>,
+        n_points: usize,
+        power_by_radius: &[(usize, f64, f64)],
         max_frequency: f64,
         ink: Ink,
     ) -> Self {
-        let n_points = spectrum.n_points();
         let last = max_frequency * (n_points as f64).sqrt();
-        let rows = B::power_by_radius(spectrum).into_iter().skip(1);
-        let rows = rows.filter(|row| row.0 as f64 <= last).collect();
+        let rows = power_by_radius.iter().skip(1);
+        let rows = rows.filter(|row| row.0 as f64 <= last).copied().collect();
         Self { label: label.into(), n_points, rows, ink }
     }
 }
@@ -154,7 +164,7 @@ impl PowerCurve {
 /// Returns the chart of spectra against l/sqrt(N) beneath other series over the same axes, with
 /// notes on the curves; the caller sets the title. Degrees whose power is 0 to rounding are
 /// skipped.
-pub(super) fn power_chart<B: ShownBands>(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
+pub(super) fn power_chart(texts: &BandTexts, curves: &[PowerCurve], over: Vec<Series>) -> Chart {
     let has_bands = curves.len() <= MAX_BANDS;
     let (mut is_binned, mut has_errors) = (false, false);
     let mut series = Vec::new();
@@ -178,21 +188,21 @@ pub(super) fn power_chart<B: ShownBands>(curves: &[PowerCurve], over: Vec<Series
             label: curve.label.clone(),
             points: points.into_iter().map(|(l, power)| (l / scale, power)).collect(),
             spread,
-            style: if has_gaps { B::WITH_GAPS } else { Style::Line },
+            style: if has_gaps { texts.with_gaps } else { Style::Line },
             ink: curve.ink,
         });
     }
     series.extend(over);
     let notes = [
-        (is_binned && has_bands).then_some(B::BINNED[0]),
-        (is_binned && !has_bands).then_some(B::BINNED[1]),
+        (is_binned && has_bands).then_some(texts.binned[0]),
+        (is_binned && !has_bands).then_some(texts.binned[1]),
         has_errors.then_some("Bands: one standard error to either side."),
     ];
     Chart {
         title: String::new(),
-        x_label: B::FREQUENCY.to_owned(),
+        x_label: texts.frequency.to_owned(),
         x_scale: Scale::Log,
-        panels: vec![Panel::log(B::POWER, series)],
+        panels: vec![Panel::log(texts.power, series)],
         notes: notes.into_iter().flatten().map(str::to_owned).collect(),
     }
 }

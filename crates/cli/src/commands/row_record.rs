@@ -4,9 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_variance::Comparison;
 
-use super::power_chart::largest_radius;
 use super::rows::Row;
-use crate::patterns::PredictedPattern;
 use crate::report::{Column, number};
 
 /// A pattern at one number of points, with its predicted and measured variance. A number that
@@ -25,7 +23,7 @@ pub(crate) struct RowRecord {
     #[serde(skip)]
     integral: Option<String>,
     /// `sphere`, `hemisphere` or `square`.
-    domain: &'static str,
+    domain: String,
     /// The number of points requested.
     n_requested: usize,
     /// The number of points.
@@ -105,7 +103,7 @@ const ROUNDED_AWAY: &str = "rounding of the integrand's values hides its varianc
 const CONFIDENCE: f64 = 0.95;
 
 impl RowRecord {
-    pub(super) fn new<P: PredictedPattern>(row: &Row<P>) -> Self {
+    pub(super) fn new(row: &Row) -> Self {
         let Comparison { prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
@@ -126,15 +124,15 @@ impl RowRecord {
         Self {
             integral: row.integral.clone(),
             relative_error: exact.map(|exact| error / exact.abs()).filter(|e| e.is_finite()),
-            sampler: row.pattern.to_string(),
-            label: row.pattern.label(),
+            sampler: row.sampler.text.clone(),
+            label: row.sampler.label.clone(),
             integrand: row.integrand.clone(),
-            domain: row.domain,
+            domain: row.domain.clone(),
             n_requested: row.requested,
             n: row.comparison.n_points,
             n_effective: row.n_effective,
-            lmax: largest_radius(&row.spectrum),
-            realizations: row.spectrum.realizations(),
+            lmax: row.lmax,
+            realizations: row.realizations,
             trials: measurement.estimates().len(),
             predicted: prediction.variance,
             predicted_stderr: prediction.stderr,

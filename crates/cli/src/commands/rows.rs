@@ -5,15 +5,16 @@ use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::{Resolution, Spectrum};
 use sphvar_variance::{
     Comparison, IntegrationSpace, JointTrials, Precision, PredictedPoint, PredictionBudget,
-    Predictor, SpectrumOptions, Trials, check_degree as check_settled, prediction_degree,
-    settled_degree,
+    Predictor, PredictorOn, SpectrumOptions, Trials, check_degree as check_settled,
+    prediction_degree, settled_degree,
 };
 
+use super::power_chart::{BandTexts, ShownBands, largest_radius};
 use crate::error::CliError;
 use crate::flags::missing_count;
 use crate::integrands::{Integral, Integrals, NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
-use crate::patterns::{self, BandsOf, PredictedPattern, SamplerRef, n_effective};
+use crate::patterns::{self, BandsOf, PredictedPattern, SamplerName, SamplerRef, n_effective};
 use crate::progress::Progress;
 
 /// The settings of a run for all patterns and numbers of points.
@@ -97,7 +98,8 @@ impl<P: PredictedPattern> Case<P> {
 }
 
 /// The results of one case for one integral.
-pub(super) struct Row<P: PredictedPattern = Pattern> {
+#[derive(Debug)]
+pub(super) struct Row {
     /// The integrand as it was written.
     pub(super) integrand: String,
     /// The name of the integral in tables, if there are several.
@@ -105,36 +107,60 @@ pub(super) struct Row<P: PredictedPattern = Pattern> {
     /// Whether it is the integral of rates and charts.
     pub(super) is_main: bool,
     /// The name of the space.
-    pub(super) domain: &'static str,
-    pub(super) pattern: P,
+    pub(super) domain: String,
+    pub(super) sampler: SamplerName,
+    /// The requested number of points.
     pub(super) requested: usize,
-    /// The spectrum from which the variance is predicted.
-    pub(super) spectrum: Spectrum<BandsOf<P>>,
     pub(super) comparison: Comparison,
+    /// The largest degree or frequency of the spectrum.
+    pub(super) lmax: usize,
+    /// The realizations from which the spectrum was estimated; 0 for a closed form.
+    pub(super) realizations: u64,
+    /// Radius, power and its standard error; empty if spectra are not shown.
+    pub(super) power: Vec<(usize, f64, f64)>,
+    /// The variance of independent uniform points.
+    pub(super) white_variance: f64,
     /// The effective number of points, if they have weights.
     pub(super) n_effective: Option<f64>,
 }
 
-impl<P: PredictedPattern> Case<P> {
+impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
     /// Returns the results for the only integral.
     pub(super) fn row(
         &self,
         integrand: &str,
-        domain: &'static str,
-        spectrum: Spectrum<BandsOf<P>>,
+        predictor: &PredictorOn<'_, P::Space>,
+        spectrum: &Spectrum<BandsOf<P>>,
         comparison: Comparison,
-    ) -> Row<P> {
+        is_shown: bool,
+    ) -> Row {
         Row {
             integrand: integrand.to_owned(),
             integral: None,
             is_main: true,
-            domain,
-            pattern: self.pattern.clone(),
+            domain: predictor.space().to_string(),
+            sampler: SamplerName::of(&self.pattern),
             requested: self.requested,
-            n_effective: n_effective::<P>(self.sampler(), &spectrum),
-            spectrum,
+            lmax: largest_radius(spectrum),
+            realizations: spectrum.realizations(),
+            power: if is_shown { <BandsOf<P>>::power_by_radius(spectrum) } else { Vec::new() },
+            white_variance: predictor.white_variance(comparison.n_points),
+            n_effective: n_effective::<P>(self.sampler(), spectrum),
             comparison,
         }
+    }
+}
+
+/// The energies of the main integrand, for charts.
+pub(super) struct ShownEnergy {
+    pub(super) by_radius: Vec<f64>,
+    pub(super) total: f64,
+    pub(super) texts: &'static BandTexts,
+}
+
+impl ShownEnergy {
+    pub(super) fn new<B: ShownBands>(energy: &Energy<B>) -> Self {
+        Self { by_radius: B::energy_by_radius(energy), total: energy.total(), texts: B::TEXTS }
     }
 }
 
@@ -172,7 +198,7 @@ impl Effort {
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases, those of
 /// all integrals for each, with the energies of the last integral.
-pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
+pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     check(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
@@ -203,10 +229,12 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
         let comparisons = joint.measure(&predictions, case.sampler(), trials, &progress)?;
         let integrals = plan.integrals.all();
-        let results = predicted.into_iter().zip(comparisons);
-        for (i, (integral, (point, comparison))) in integrals.iter().zip(results).enumerate() {
+        let results = predicted.iter().zip(comparisons).zip(joint.predictors());
+        let results = integrals.iter().zip(results).enumerate();
+        for (i, (integral, ((point, comparison), predictor))) in results {
+            let is_shown = plan.effort.whole_spectra && i + 1 == integrals.len();
             let name = &integral.integrand.name;
-            let row = case.row(name, plan.domain.name(), point.spectrum, comparison);
+            let row = case.row(name, predictor, &point.spectrum, comparison, is_shown);
             let name = (integrals.len() > 1).then(|| integral.label.clone());
             rows.push(Row { integral: name, is_main: i + 1 == integrals.len(), ..row });
         }
@@ -217,7 +245,7 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         let max_points = cases.iter().map(Case::n_points).max().unwrap_or(0);
         predictor.energy_to(Resolution::natural_degree(max_points))?;
     }
-    Ok((rows, predictor.energy().clone()))
+    Ok((rows, ShownEnergy::new(predictor.energy())))
 }
 
 /// Rejects cases that cannot be run.

@@ -1,13 +1,12 @@
 //! Rows of predicted and measured variance on the unit square, for `variance` and `compare`.
 
-use sphvar_integrands::Energy;
 use sphvar_samplers::{Share, Square, SquarePattern};
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::SquareResolution;
 use sphvar_variance::{PredictionBudget, SquarePredictor};
 
 use super::effort::EffortArgs;
-use super::rows::{Case, Effort, Row};
+use super::rows::{Case, Effort, Row, ShownEnergy};
 use crate::error::CliError;
 use crate::flags::{NO_HARMONICS, ONE_DOMAIN, ProjectArgs, USE_KMAX};
 use crate::global::Global;
@@ -57,7 +56,7 @@ pub(super) fn run(
     integrand: &NamedSquareIntegrand,
     effort: &Effort,
     cases: &[Case<SquarePattern>],
-) -> Result<(Vec<Row<SquarePattern>>, Energy<Frequencies>), CliError> {
+) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     let wrong = |e| CliError::Usage(format!("{}: {e}", integrand.name));
     let budget = PredictionBudget::DEFAULT;
     let predictor =
@@ -85,8 +84,8 @@ pub(super) fn run(
         }
         let trials = effort.trials_of::<Square>(case.sampler());
         let comparison = predictor.measure(point.prediction, case.sampler(), trials, &progress)?;
-        rows.push(case.row(&integrand.name, "square", point.spectrum, comparison));
+        let (name, is_shown) = (&integrand.name, effort.whole_spectra);
+        rows.push(case.row(name, &predictor, &point.spectrum, comparison, is_shown));
     }
-    let energy = predictor.energy().clone();
-    Ok((rows, energy))
+    Ok((rows, ShownEnergy::new(predictor.energy())))
 }

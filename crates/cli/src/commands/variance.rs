@@ -19,7 +19,7 @@ use crate::flags::{
 };
 use crate::global::Global;
 use crate::integrands::{Integrals, parse_integrands, parse_square_integrand, with_integrals};
-use crate::patterns::{PredictedPattern, parse_patterns};
+use crate::patterns::parse_patterns;
 use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -145,25 +145,16 @@ fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
 }
 
 /// Writes the variances of patterns in the requested form.
-fn write<P: PredictedPattern>(
+fn write(
     args: &VarianceArgs,
     global: &Global,
-    rows: &[Row<P>],
+    rows: &[Row],
     subject: &str,
     visible_half: Option<Vec<VisibleHalfRecord>>,
 ) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let body = VarianceBody { rows: rows.iter().map(RowRecord::new).collect(), visible_half };
-    let chart = || {
-        let mut patterns: Vec<&P> = Vec::new();
-        for row in rows {
-            if !patterns.contains(&&row.pattern) {
-                patterns.push(&row.pattern);
-            }
-        }
-        let curves: Vec<_> = patterns.into_iter().map(|p| Curve::new(p, rows)).collect();
-        Ok(variance_chart(&curves, subject))
-    };
+    let chart = || Ok(variance_chart(&Curve::all(rows), subject));
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),
         chart: Some(&chart),

@@ -189,7 +189,7 @@ impl VisibleHalfRecord {
         let interval = estimates.variance_interval(0.95).filter(|_| is_known);
         let (measured_low, measured_high) = interval.unwrap_or((f64::NAN, f64::NAN));
         Self {
-            sampler: row.pattern.to_string(),
+            sampler: row.sampler.text.clone(),
             m,
             estimator,
             axis: if half == HalfAxis::Equator { "equator" } else { "random" },

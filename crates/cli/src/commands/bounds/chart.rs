@@ -1,10 +1,11 @@
 //! The chart of a spectrum between its profiles.
 
 use sphvar_bounds::{Profile, ProfileShape};
+use sphvar_samplers::Domain;
 
 use super::record::BoundRecord;
 use super::source::Measured;
-use crate::commands::power_chart::{PowerCurve, power_chart};
+use crate::commands::power_chart::{PowerCurve, ShownBands, power_chart};
 use crate::error::CliError;
 use crate::plots::{Chart, Ink, Series, Spread, Style};
 
@@ -63,7 +64,7 @@ pub(super) fn chart(
         series.push(Series { label, points, spread: Spread::None, style, ink: Ink::Rank(rank) });
     }
     let has_sides = records.iter().any(|record| record.side() != "given");
-    let chart = power_chart::<sphvar_samplers::Domain>(&curves, series);
+    let chart = power_chart(Domain::TEXTS, &curves, series);
     Ok(if has_sides {
         chart.with_note("Solid colours: upper profiles. Dashed colours: lower profiles.")
     } else {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::candidate::TimedCandidate;
 use super::choosable::Choosable;
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
+use crate::patterns::SamplerName;
 
 /// The number of best candidates that are searched for crossovers.
 const BEST: usize = 8;
@@ -37,8 +38,10 @@ pub(super) fn between<P: Choosable>(
 ) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
     let name = |c: &TimedCandidate<P>| c.answer.curve.pattern().to_string();
-    let curves: Vec<_> =
-        best.iter().map(|c| (c.answer.curve.pattern(), c.answer.curve.variance_points())).collect();
+    let curve = |c: &TimedCandidate<P>| {
+        (SamplerName::of(c.answer.curve.pattern()), c.answer.curve.variance_points())
+    };
+    let curves: Vec<_> = best.iter().map(curve).collect();
     let judged = |crossover: CrossoverRecord| {
         let of = |wanted: &str| best.iter().find(|c| name(c) == wanted);
         let (above, below) = of(&crossover.better_above).zip(of(&crossover.better_below))?;

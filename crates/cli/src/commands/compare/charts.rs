@@ -1,11 +1,10 @@
 //! The charts of `compare`; `variance` shares one of them.
 
-use sphvar_integrands::Energy;
 use sphvar_variance::VariancePoint;
 
 use super::curve::Curve;
-use crate::commands::power_chart::{PowerCurve, ShownBands, power_chart};
-use crate::patterns::{BandsOf, PredictedPattern};
+use crate::commands::power_chart::{BandTexts, PowerCurve, power_chart};
+use crate::commands::rows::ShownEnergy;
 use crate::plots::{
     Binned, Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
@@ -21,8 +20,8 @@ const LAST_FREQUENCY: f64 = 4.0;
 
 /// Returns the colours of curves. If there are many curves, only those with the smallest N x
 /// variance have a colour.
-fn inks_of<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<Ink> {
-    let value = |curve: &Curve<'_, P>| {
+fn inks_of(curves: &[Curve<'_>]) -> Vec<Ink> {
+    let value = |curve: &Curve<'_>| {
         let last = curve.predicted().last().copied();
         last.map_or(f64::NAN, |point: VariancePoint| point.variance * point.n_points)
     };
@@ -31,12 +30,12 @@ fn inks_of<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<Ink> {
 }
 
 /// Returns whether a curve is that of the user's own points.
-fn is_own<P: PredictedPattern>(curve: &Curve<'_, P>) -> bool {
-    curve.pattern.is_file()
+fn is_own(curve: &Curve<'_>) -> bool {
+    curve.sampler.is_file
 }
 
 /// Returns notes on the colours if there are more curves than colours, or the user's own.
-fn notes_of_colours<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<String> {
+fn notes_of_colours(curves: &[Curve<'_>]) -> Vec<String> {
     let n_own = curves.iter().filter(|curve| is_own(curve)).count();
     let colours = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
     let colours = (curves.len() - n_own > MAX_COLOURS).then(colours);
@@ -44,41 +43,34 @@ fn notes_of_colours<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<String>
 }
 
 /// Returns the spectra at the largest number of points.
-pub(super) fn spectra_chart<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Chart
-where
-    BandsOf<P>: ShownBands,
-{
-    let shown: Vec<_> = (curves.iter().zip(inks_of(curves)))
-        .filter_map(|(curve, ink)| Some((curve.pattern, &curve.rows.last()?.spectrum, ink)))
-        .collect();
-    let first = shown.first().map(|curve| curve.1.n_points());
-    let common = first.filter(|&n| shown.iter().all(|curve| curve.1.n_points() == n));
-    let spectra: Vec<PowerCurve> = shown
-        .into_iter()
-        .map(|(pattern, spectrum, ink)| {
+pub(super) fn spectra_chart(curves: &[Curve<'_>], texts: &BandTexts) -> Chart {
+    let inks = inks_of(curves);
+    let shown = || curves.iter().zip(&inks).filter_map(|(c, ink)| Some((*c.rows.last()?, *ink)));
+    let first = shown().next().map(|(row, _)| row.comparison.n_points);
+    let common = first.filter(|&n| shown().all(|(row, _)| row.comparison.n_points == n));
+    let spectra: Vec<PowerCurve> = shown()
+        .map(|(row, ink)| {
+            let (name, n) = (&row.sampler.label, row.comparison.n_points);
             let label = match common {
-                Some(_) => pattern.label(),
-                None => format!("{}, N = {}", pattern.label(), spectrum.n_points()),
+                Some(_) => name.clone(),
+                None => format!("{name}, N = {n}"),
             };
-            PowerCurve::new(label, spectrum, LAST_FREQUENCY, ink)
+            PowerCurve::new(label, n, &row.power, LAST_FREQUENCY, ink)
         })
         .collect();
     let n_points = common.map_or(String::new(), |n| format!(", N = {n}"));
-    let title = format!("{}{n_points}", <BandsOf<P>>::TITLE);
-    let chart = Chart { title, ..power_chart::<BandsOf<P>>(&spectra, Vec::new()) };
+    let title = format!("{}{n_points}", texts.title);
+    let chart = Chart { title, ..power_chart(texts, &spectra, Vec::new()) };
     notes_of_colours(curves).into_iter().fold(chart, Chart::with_note)
 }
 
 /// Returns predicted and measured variances against N, with their ratio below.
-pub(in crate::commands) fn variance_chart<P: PredictedPattern>(
-    curves: &[Curve<'_, P>],
-    subject: &str,
-) -> Chart {
+pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], subject: &str) -> Chart {
     let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
     for (curve, ink) in curves.iter().zip(inks_of(curves)) {
         series.push(Series {
-            label: curve.pattern.label(),
+            label: curve.sampler.label.clone(),
             points: points(&curve.predicted()),
             spread: Spread::None,
             style: Style::Line,
@@ -125,13 +117,12 @@ pub(in crate::commands) fn variance_chart<P: PredictedPattern>(
 }
 
 /// Returns the energies of the integrand against the degree.
-pub(super) fn integrand_chart<B: ShownBands>(energy: &Energy<B>, name: &str) -> Chart {
-    let total = energy.total();
-    let radii = B::energy_by_radius(energy);
-    let degrees = radii.iter().enumerate().skip(1);
+pub(super) fn integrand_chart(energy: &ShownEnergy, name: &str) -> Chart {
+    let ShownEnergy { by_radius, total, texts } = energy;
+    let degrees = by_radius.iter().enumerate().skip(1);
     let points: Vec<_> = degrees.map(|(l, e)| (l as f64, e / total)).collect();
     let Binned { points, ranges } = Binned::new(&points, ROUNDING);
-    let notes = ranges.iter().map(|_| B::BINNED[0].to_owned()).collect();
+    let notes = ranges.iter().map(|_| texts.binned[0].to_owned()).collect();
     let series = Series {
         label: String::new(),
         points,
@@ -140,11 +131,11 @@ pub(super) fn integrand_chart<B: ShownBands>(energy: &Energy<B>, name: &str) -> 
         ink: Ink::Rank(0),
     };
     Chart {
-        title: format!("Energy per {} of {name}", B::UNIT),
-        x_label: B::RADIUS.to_owned(),
+        title: format!("Energy per {} of {name}", texts.unit),
+        x_label: texts.radius.to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log(
-            format!("{}, total = {}", B::ENERGY, number::value(total)),
+            format!("{}, total = {}", texts.energy, number::value(*total)),
             vec![series],
         )],
         notes,

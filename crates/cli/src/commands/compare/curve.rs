@@ -1,26 +1,29 @@
 //! The rows of one pattern and the quantities derived from all of them.
 
-use sphvar_integrands::Energy;
-use sphvar_samplers::Pattern;
-use sphvar_sh::Bands;
 use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
 use super::record::SamplerRecord;
 use crate::commands::rows::Row;
-use crate::patterns::{BandsOf, PredictedPattern};
+use crate::patterns::SamplerName;
 
-/// The rows of one pattern, by number of points.
-pub(in crate::commands) struct Curve<'a, P: PredictedPattern = Pattern> {
-    pub(super) pattern: &'a P,
-    pub(super) rows: Vec<&'a Row<P>>,
+/// The rows of one sampler for the main integral, by number of points.
+pub(in crate::commands) struct Curve<'a> {
+    pub(super) sampler: &'a SamplerName,
+    pub(super) rows: Vec<&'a Row>,
 }
 
-impl<'a, P: PredictedPattern> Curve<'a, P> {
-    pub(in crate::commands) fn new(pattern: &'a P, rows: &'a [Row<P>]) -> Self {
-        let is_own = |r: &&Row<P>| r.is_main && r.pattern == *pattern;
-        let mut rows: Vec<&Row<P>> = rows.iter().filter(is_own).collect();
-        rows.sort_by_key(|r| r.comparison.n_points);
-        Self { pattern, rows }
+impl<'a> Curve<'a> {
+    /// Returns the curves of all samplers, in the order of the rows.
+    pub(in crate::commands) fn all(rows: &'a [Row]) -> Vec<Self> {
+        let mut curves: Vec<Self> = Vec::new();
+        for row in rows.iter().filter(|row| row.is_main) {
+            match curves.iter_mut().find(|curve| *curve.sampler == row.sampler) {
+                Some(curve) => curve.rows.push(row),
+                None => curves.push(Self { sampler: &row.sampler, rows: vec![row] }),
+            }
+        }
+        curves.iter_mut().for_each(|c| c.rows.sort_by_key(|r| r.comparison.n_points));
+        curves
     }
 
     pub(super) fn measured(&self) -> Vec<VariancePoint> {
@@ -38,10 +41,9 @@ impl<'a, P: PredictedPattern> Curve<'a, P> {
         points.filter(|p| p.stderr.is_finite()).collect()
     }
 
-    pub(super) fn summary(&self, energy: &Energy<BandsOf<P>>) -> Option<SamplerRecord> {
+    pub(super) fn summary(&self) -> Option<SamplerRecord> {
         let last = self.rows.last()?;
-        let n = last.comparison.n_points;
-        let white = energy.bands().factor(n) * energy.beyond(0);
+        let white = last.white_variance;
         let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
         let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
         let (basis, fit) = match n_predicted {
@@ -60,8 +62,8 @@ impl<'a, P: PredictedPattern> Curve<'a, P> {
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
         let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
         Some(SamplerRecord {
-            sampler: self.pattern.to_string(),
-            label: self.pattern.label(),
+            sampler: self.sampler.text.clone(),
+            label: self.sampler.label.clone(),
             basis,
             rate: fit.map(|f| f.slope),
             rate_interval: finite(fit.map(|f| f.interval)),
@@ -71,7 +73,7 @@ impl<'a, P: PredictedPattern> Curve<'a, P> {
             predicted_rate: fit_exact_rate(&self.predicted()).map(|f| f.slope),
             measured_rate: measured.map(|f| f.slope),
             measured_rate_interval: finite(measured.map(|f| f.interval)),
-            n,
+            n: last.comparison.n_points,
             variance_reduction: best_reduction.map(|g| g.0),
             variance_reduction_stderr: best_reduction.map(|g| g.1),
             measured_variance_reduction: measured_reduction.map(|g| g.0),

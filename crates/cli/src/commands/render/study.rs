@@ -16,7 +16,7 @@ use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::patterns::parse_patterns;
+use crate::patterns::{SamplerName, parse_patterns};
 use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
@@ -154,7 +154,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     drop(progress);
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let samplers: Vec<StudyRates> = curves.iter().map(Curve::rates).collect();
-    let errors: Vec<_> = curves.iter().map(|c| (c.pattern, c.points())).collect();
+    let errors: Vec<_> = curves.iter().map(|c| (SamplerName::of(c.pattern), c.points())).collect();
     let crossovers = crossovers(&errors, global.seed);
     let provenance = Provenance::new(global.seed);
     let [reference_n, pixels] = [reference.n_points, reference.n_hits()];
