@@ -1,9 +1,10 @@
 use sphvar_grammar::{Parametric, ResolveError};
+use sphvar_warps::DensityMap;
 
 use crate::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
     Error, Expansion, FittedFunction, HealpixMap, HealpixMapParameters, ImageParameters, Integrand,
-    SquareImage, ValuesParameters,
+    Interpolation, SquareImage, ValuesParameters,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -24,6 +25,23 @@ pub trait IntegrandResolver {
     /// [`ResolveError`] with the reason if the file has no such map.
     fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
         Err(unread(&wanted.file))
+    }
+
+    /// Returns the density of an environment map, with its pole at +z. A resolver that keeps maps
+    /// returns clones, which share their texels.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`environment`](Self::environment), and [`Error`] with the reason if the map is no
+    /// density.
+    fn environment_density(
+        &self,
+        wanted: &EnvironmentParameters,
+        interpolation: Interpolation,
+    ) -> Result<DensityMap, Error> {
+        let map = self.environment(wanted)?;
+        let (width, layout) = (map.width(), wanted.picture.layout());
+        map.into_density(interpolation).map_err(|error| layout.locate(width, error))
     }
 
     /// Returns the HEALPix map of a file.

@@ -181,6 +181,56 @@ pub enum Error {
         /// The share of `int |f|` in such directions.
         share: f64,
     },
+    /// The shares of the warps in a sum are not positive numbers, or only some warps have one.
+    #[error("\"{text}\": {reason}")]
+    Shares {
+        /// The sum.
+        text: String,
+        /// What is wrong, and the valid form.
+        reason: String,
+    },
+    /// A product of warps has no warp.
+    #[error(
+        "no map samples the product {text}; a product of warps must be a map times the cosine, as in \
+         \"env:FILE * cosine\" (a sum, as in \"cosine + env:FILE\", samples each with its own points)"
+    )]
+    NoWarp {
+        /// The product.
+        text: String,
+    },
+    /// A warp covers the sphere, not the hemisphere.
+    #[error("this map covers the sphere; on the hemisphere take {instead}")]
+    SphereAlone {
+        /// A warp of the hemisphere.
+        instead: &'static str,
+    },
+    /// A map and the cosine of a product have different axes.
+    #[error(
+        "the cosine of {text} must be about the pole of the map: rotate both alike, and the map \
+         further about its pole alone"
+    )]
+    CosineAxis {
+        /// The product.
+        text: String,
+    },
+    /// A texel of a density is negative.
+    #[error(
+        "a density must not be negative, but texel (row {row}, column {column}; 0-based) of {picture} \
+         is {value}"
+    )]
+    NegativeTexel {
+        /// The row from the top, 0-based.
+        row: usize,
+        /// The column from the left, 0-based.
+        column: usize,
+        /// The picture, in words.
+        picture: &'static str,
+        /// The texel.
+        value: f64,
+    },
+    /// A warp cannot be built.
+    #[error(transparent)]
+    Warp(#[from] sphvar_warps::Error),
     /// A harmonic evaluation or transform rejected its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),

@@ -7,7 +7,8 @@ use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Ter
 
 /// A sum of products of named integrands with rotations, such as
 /// `cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10`; of integrands on the square, without rotations,
-/// with [`SquareTerm`](crate::SquareTerm) as the type of factors.
+/// with [`SquareTerm`](crate::SquareTerm) as the type of factors. A
+/// [`WarpExpression`](crate::WarpExpression) has the same grammar.
 ///
 /// `@` has the highest precedence, then `*`, then `+` and `-`. Each operator needs blanks around
 /// it, which keeps numbers and file names intact. Quoted names of files may contain operators.
@@ -40,11 +41,12 @@ pub struct Summand<F = Factor> {
     pub factors: Vec<F>,
 }
 
-/// A named integrand after some rotations.
+/// A named integrand after some rotations; a warp with [`WarpTerm`](crate::WarpTerm) as the type of
+/// the term.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Factor {
+pub struct Factor<T = Term> {
     /// The integrand.
-    pub term: Term,
+    pub term: T,
     /// Colatitude, longitude and rotation about +z of each rotation, in degrees.
     pub rotations: Vec<[f64; 3]>,
 }
@@ -211,7 +213,7 @@ impl<F: FromStr<Err = Error>> FromStr for Expression<F> {
     }
 }
 
-impl FromStr for Factor {
+impl<T: FromStr<Err = Error>> FromStr for Factor<T> {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
@@ -258,7 +260,7 @@ impl<F: fmt::Display> fmt::Display for Expression<F> {
     }
 }
 
-impl fmt::Display for Factor {
+impl<T: fmt::Display> fmt::Display for Factor<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.term.fmt(f)?;
         for [theta, phi, psi] in &self.rotations {

@@ -31,7 +31,7 @@ mod error;
 mod expression;
 mod functions;
 mod integrand;
-mod named_integrands;
+mod named_terms;
 mod projection;
 mod quadrature;
 mod shape;
@@ -39,6 +39,7 @@ mod square;
 mod term;
 mod vector_integrand;
 mod visible_half_integrand;
+mod warps;
 
 pub use coefficients::Coefficients;
 pub use definition::{IntegrandResolver, NoFiles};
@@ -55,6 +56,7 @@ pub use sphvar_sh::Domain;
 pub use square::*;
 pub use vector_integrand::VectorIntegrand;
 pub use visible_half_integrand::{VisibleHalfEstimator, VisibleHalfIntegrand};
+pub use warps::*;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -179,6 +179,13 @@ impl DensityMap {
         Self { first_longitude, ..self }
     }
 
+    /// Returns the map rotated about +z by an angle in radians.
+    #[must_use]
+    pub fn rotated_about_pole(self, angle: f64) -> Self {
+        let first_longitude = self.first_longitude + angle;
+        Self { first_longitude, ..self }
+    }
+
     /// Returns the map restricted to the hemisphere z >= 0, where its density integrates to 1.
     ///
     /// # Errors

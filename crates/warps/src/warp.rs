@@ -1,4 +1,5 @@
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -70,6 +71,48 @@ pub trait Warp: Debug + Send + Sync {
     fn sample_into(&self, points: &[[f64; 2]], samples: &mut Vec<WarpSample>) {
         samples.clear();
         samples.extend(points.iter().map(|&point| self.sample(point)));
+    }
+}
+
+impl<W: Warp + ?Sized> Warp for Arc<W> {
+    fn sample(&self, point: [f64; 2]) -> WarpSample {
+        (**self).sample(point)
+    }
+
+    fn map(&self, point: [f64; 2]) -> DVec3 {
+        (**self).map(point)
+    }
+
+    fn density(&self, point: DVec3) -> f64 {
+        (**self).density(point)
+    }
+
+    fn inverse(&self, point: DVec3) -> Option<[f64; 2]> {
+        (**self).inverse(point)
+    }
+
+    fn measure(&self) -> Measure {
+        (**self).measure()
+    }
+
+    fn support(&self) -> Support {
+        (**self).support()
+    }
+
+    fn min_density(&self) -> f64 {
+        (**self).min_density()
+    }
+
+    fn breaks_in_u(&self) -> Vec<f64> {
+        (**self).breaks_in_u()
+    }
+
+    fn breaks_in_v(&self, u: f64) -> Vec<f64> {
+        (**self).breaks_in_v(u)
+    }
+
+    fn sample_into(&self, points: &[[f64; 2]], samples: &mut Vec<WarpSample>) {
+        (**self).sample_into(points, samples);
     }
 }
 

@@ -1,3 +1,4 @@
+mod density;
 mod square;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

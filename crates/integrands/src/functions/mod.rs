@@ -34,6 +34,7 @@ pub use picture_parameters::{PictureParameters, UpAxis};
 pub use product::Product;
 pub use random_field::RandomField;
 pub use rotated::Rotated;
+pub(crate) use rotated::rotation_to_angles;
 pub use sampled::SampledFunction;
 pub use sum::Sum;
 
@@ -41,13 +42,13 @@ use glam::DVec3;
 
 use crate::Integrand;
 use crate::definition::Definition;
-use crate::named_integrands::named_integrands;
+use crate::named_terms::named_terms;
 
-named_integrands! {
+named_terms! {
     /// A named integrand with its parameters.
     ///
     /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
-    Term: Definition -> Integrand;
+    "integrand" Term: Definition -> Integrand;
     "ylm" = harmonic::Harmonic(p: HarmonicParameters): "real spherical harmonic";
     "cap" = cap::Cap(p: CapParameters): "indicator of a spherical cap around +z";
     "double-cap" = double_cap::DoubleCap(p: DoubleCapParameters): "indicator of the caps around +z and -z";

@@ -95,15 +95,22 @@ impl Default for EnvironmentParameters {
     }
 }
 
-impl Parametric for PictureParameters {
-    fn declare(&mut self, d: &mut Declaration<'_>) {
-        let summary = "luminance, r, g, b, a channel's name in the file, or rgb, all three and luminance in variance, compare, choose";
-        d.word("channel", summary, "luminance", &mut self.channel);
+impl PictureParameters {
+    /// Declares the parameters; `channels` describes the valid channels.
+    pub(crate) fn declare_with(&mut self, channels: &'static str, d: &mut Declaration<'_>) {
+        d.word("channel", channels, "luminance", &mut self.channel);
         d.word("layer", "layer or part of the file", "none", &mut self.layer);
         d.choice("projection", "how the picture covers the sphere", &mut self.projection);
         d.optional_choice("up", "axis of the picture's pole", "z", &mut self.up);
         d.choice("mirror", "whether y becomes -y, before the rotation", &mut self.mirror);
         d.number("rotate", Range::FINITE, "added to all longitudes, in degrees", &mut self.rotate);
+    }
+}
+
+impl Parametric for PictureParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let channels = "luminance, r, g, b, a channel's name in the file, or rgb, all three and luminance in variance, compare, choose";
+        self.declare_with(channels, d);
     }
 }
 

@@ -84,7 +84,7 @@ impl<I: Integrand> Rotated<I> {
 
 /// Returns the rotation by `psi` about +z followed by the one that takes +z to colatitude `theta`
 /// and longitude `phi`.
-fn rotation_to_angles(theta: f64, phi: f64, psi: f64) -> DQuat {
+pub(crate) fn rotation_to_angles(theta: f64, phi: f64, psi: f64) -> DQuat {
     let tilt = DQuat::from_rotation_z(phi) * DQuat::from_rotation_y(theta);
     tilt * DQuat::from_rotation_z(psi)
 }

@@ -25,7 +25,7 @@ pub use sum::{SquareExpression, SquareSum};
 
 use sphvar_grammar::Parametric;
 
-use crate::named_integrands::named_integrands;
+use crate::named_terms::named_terms;
 use crate::{Error, IntegrandResolver};
 
 /// The definition of an integrand on the square, apart from its name and summary in the list.
@@ -36,11 +36,11 @@ pub(crate) trait SquareDefinition: Parametric {
     fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn SquareIntegrand>, Error>;
 }
 
-named_integrands! {
+named_terms! {
     /// A named integrand on the square with its parameters.
     ///
     /// `FromStr` reads what `Display` writes, such as `wave:k1=3,k2=-2`.
-    SquareTerm: SquareDefinition -> SquareIntegrand;
+    "integrand" SquareTerm: SquareDefinition -> SquareIntegrand;
     "disk" = disk::Disk(p: DiskParameters): "indicator of a disk, continued across the sides";
     "half-plane" = half_plane::HalfPlane(p: HalfPlaneParameters): "indicator of one side of a line";
     "gaussian" = gaussian::Gaussian(p: GaussianParameters): "Gaussian peak, exp(-distance^2/(2 width^2))";

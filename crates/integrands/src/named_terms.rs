@@ -1,16 +1,20 @@
-//! Lists of named integrands with parameters, of the sphere and of the square.
+//! Lists of named functions with parameters: integrands of the sphere and of the square, and warps.
 
-/// Declares a list of named integrands: the type of its entries, and the module, the variant, the
-/// name and the summary of every integrand. A variant with parameters names their type; otherwise
-/// the definition is the type `Parameters` of its module.
-macro_rules! named_integrands {
+use crate::Error;
+
+/// Declares a list of named functions: what they are in words, the type of its entries, and the
+/// module, the variant, the name and the summary of every function. A variant with parameters
+/// names their type; otherwise the definition is the type `Parameters` of its module. Functions
+/// that depend on more than their parameters name the further arguments of `build`.
+macro_rules! named_terms {
     (
         $(#[$meta:meta])*
-        $Term:ident: $Definition:ident -> $Integrand:ident;
+        $what:literal $Term:ident: $Definition:ident $(($argument:ident: $Argument:ident))? -> $Function:ident;
         $($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*
     ) => {
         $(
             pub(crate) mod $module;
+            #[allow(unused_imports, unreachable_pub, reason = "modules may have no public items")]
             pub use $module::*;
         )*
 
@@ -25,8 +29,10 @@ macro_rules! named_integrands {
         }
 
         impl $Term {
-            /// Returns every named integrand with its default parameters, and examples of required
-            /// ones, in the order of tables.
+            #[doc = concat!(
+                "Returns every named ", $what,
+                " with its default parameters, and examples of required ones, in the order of tables."
+            )]
             #[must_use]
             pub fn all() -> Vec<Self> {
                 vec![$(Self::$Variant $(($Parameters::default()))?),*]
@@ -40,7 +46,7 @@ macro_rules! named_integrands {
                 }
             }
 
-            /// Returns a one-line description of the integrand.
+            #[doc = concat!("Returns a one-line description of the ", $what, ".")]
             #[must_use]
             pub const fn summary(&self) -> &'static str {
                 match self {
@@ -65,7 +71,7 @@ macro_rules! named_integrands {
                     .with_definition(|definition| sphvar_grammar::form(name, definition))
             }
 
-            /// Returns the function; files that the parameters name are read by `files`.
+            #[doc = concat!("Returns the ", $what, "; files that the parameters name are read by `files`.")]
             ///
             /// # Errors
             ///
@@ -73,29 +79,25 @@ macro_rules! named_integrands {
             /// parameters; [`Error::File`](crate::Error::File) if `files` cannot read a file.
             pub fn build(
                 &self,
+                $($argument: $Argument,)?
                 files: &dyn crate::IntegrandResolver,
-            ) -> Result<Box<dyn $Integrand>, crate::Error> {
-                let built = self.clone().with_definition(|definition| definition.build(files));
-                built.map_err(|error| match error {
-                    crate::Error::File(error) => crate::Error::File(error),
-                    reason => {
-                        let (text, reason) = (self.to_string(), Box::new(reason));
-                        crate::Error::OfTerm { text, reason }
-                    }
-                })
+            ) -> Result<Box<dyn $Function>, crate::Error> {
+                let build = |definition: &mut dyn $Definition| definition.build($($argument,)? files);
+                let built = self.clone().with_definition(build);
+                built.map_err(|error| crate::named_terms::of_term(self, error))
             }
 
-            /// Returns the integrand of the same name with its default parameters.
+            #[doc = concat!("Returns the ", $what, " of the same name with its default parameters.")]
             fn default_of_name(&self) -> Self {
                 let same = Self::all().into_iter().find(|term| term.name() == self.name());
                 same.unwrap_or_else(|| self.clone())
             }
 
-            /// Calls a function with the definition of the integrand.
+            #[doc = concat!("Calls a function with the definition of the ", $what, ".")]
             fn with_definition<T>(&mut self, action: impl FnOnce(&mut dyn $Definition) -> T) -> T {
                 match self {
                     $(Self::$Variant $(($parameters))? => {
-                        action(crate::named_integrands::definition!($module $($parameters)?))
+                        action(crate::named_terms::definition!($module $($parameters)?))
                     })*
                 }
             }
@@ -110,7 +112,7 @@ macro_rules! named_integrands {
                 let all = Self::all();
                 let names: Vec<&str> = all.iter().map(Self::name).collect();
                 let unknown =
-                    || sphvar_grammar::Error::unknown_name("integrand", &spec.name, &names);
+                    || sphvar_grammar::Error::unknown_name($what, &spec.name, &names);
                 let known = all.iter().find(|term| term.name() == spec.name);
                 let mut term = known.ok_or_else(unknown)?.clone();
                 term.with_definition(|definition| sphvar_grammar::read(definition, spec))?;
@@ -134,7 +136,7 @@ macro_rules! named_integrands {
     };
 }
 
-/// Returns the definition of an integrand without or with parameters.
+/// Returns the definition of a function without or with parameters.
 macro_rules! definition {
     ($module:ident) => {
         &mut $module::Parameters
@@ -144,4 +146,12 @@ macro_rules! definition {
     };
 }
 
-pub(crate) use {definition, named_integrands};
+/// Returns an error with the term that it is about, which errors of files name themselves.
+pub(crate) fn of_term(term: &impl ToString, error: Error) -> Error {
+    match error {
+        Error::File(error) => Error::File(error),
+        reason => Error::OfTerm { text: term.to_string(), reason: Box::new(reason) },
+    }
+}
+
+pub(crate) use {definition, named_terms};
