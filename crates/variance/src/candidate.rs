@@ -1,10 +1,9 @@
-use sphvar_samplers::{Domain, Pattern, Progress, SamplerFamily};
+use sphvar_samplers::{Pattern, Progress};
 
-use crate::required_points::ignore_unsupported_count;
-use crate::space::IntegrationSpace;
+use crate::required_points::{ignore_unsupported_count, largest_count_to};
 use crate::{
-    Error, PredictedCurve, PredictedPoint, PredictorOn, RequiredPoints, required_points,
-    valid_between,
+    CurvePredictor, Error, PredictedCurve, PredictedPoint, PredictedVariance, RequiredPoints,
+    required_points,
 };
 
 /// The goal by which patterns are ranked.
@@ -43,9 +42,9 @@ pub enum Goal {
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Candidate<F = Pattern, S: IntegrationSpace = Domain> {
+pub struct Candidate<F = Pattern, P = PredictedPoint> {
     /// The predictions at the numbers of points that were tried.
-    pub curve: PredictedCurve<F, S>,
+    pub curve: PredictedCurve<F, P>,
     /// The number of points needed, for [`Goal::Variance`].
     pub required: Option<RequiredPoints>,
     /// The number of points needed, or the valid count used for [`Goal::Points`]; `None` if out of
@@ -56,17 +55,17 @@ pub struct Candidate<F = Pattern, S: IntegrationSpace = Domain> {
     pub variance: Option<(f64, f64)>,
 }
 
-impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
+impl<F: Clone, P: PredictedVariance> Candidate<F, P> {
     /// Returns a pattern with its predictions for a goal. Work is ticked as in
-    /// [`PredictorOn::predict`].
+    /// [`PredictorOn::predict`](crate::PredictorOn::predict).
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`required_points`] and [`PredictorOn::predict`].
-    pub fn new(
+    /// Returns the errors of [`required_points`] and [`PredictorOn::predict`](crate::PredictorOn::predict).
+    pub fn new<C: CurvePredictor<F, Point = P> + ?Sized>(
         family: F,
         goal: Goal,
-        predictor: &mut PredictorOn<'_, S>,
+        predictor: &mut C,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         Self::with_curve(PredictedCurve::new(family), goal, predictor, progress)
@@ -77,10 +76,10 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
     /// # Errors
     ///
     /// Returns the errors of [`Self::new`].
-    pub fn ranked(
+    pub fn ranked<C: CurvePredictor<F, Point = P> + ?Sized>(
         families: impl IntoIterator<Item = F>,
         goal: Goal,
-        predictor: &mut PredictorOn<'_, S>,
+        predictor: &mut C,
         progress: &dyn Progress,
     ) -> Result<Vec<Self>, Error> {
         let candidates = families.into_iter().map(|f| Self::new(f, goal, predictor, progress));
@@ -94,10 +93,10 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
     /// # Errors
     ///
     /// Returns the errors of [`Self::new`].
-    pub fn with_curve(
-        mut curve: PredictedCurve<F, S>,
+    pub fn with_curve<C: CurvePredictor<F, Point = P> + ?Sized>(
+        mut curve: PredictedCurve<F, P>,
         goal: Goal,
-        predictor: &mut PredictorOn<'_, S>,
+        predictor: &mut C,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (required, n_points) = match goal {
@@ -108,7 +107,7 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
             }
             Goal::Points(n) => (None, Some(around(&mut curve, predictor, n, progress)?)),
         };
-        let predicted = n_points.and_then(|n| curve.at(n)).map(PredictedPoint::variance_point);
+        let predicted = n_points.and_then(|n| curve.at(n)).map(P::variance_point);
         let variance = match (predicted, required) {
             (Some(p), _) => Some((p.variance, p.stderr)),
             (None, Some(RequiredPoints::Extrapolated { n_points, fit })) => {
@@ -121,7 +120,7 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
     }
 }
 
-impl<F, S: IntegrationSpace> Candidate<F, S> {
+impl<F, P> Candidate<F, P> {
     /// Returns whether the variance is 0, to rounding.
     #[must_use]
     pub fn is_exact(&self) -> bool {
@@ -142,8 +141,8 @@ impl<F, S: IntegrationSpace> Candidate<F, S> {
 
 /// Sorts candidates, best first: by [`Candidate::merit`], ties by variance, remaining ties in the
 /// given order.
-pub fn rank<F, S: IntegrationSpace>(candidates: &mut [Candidate<F, S>], goal: Goal) {
-    let variance = |c: &Candidate<F, S>| c.variance.map_or(f64::INFINITY, |v| v.0);
+pub fn rank<F, P>(candidates: &mut [Candidate<F, P>], goal: Goal) {
+    let variance = |c: &Candidate<F, P>| c.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
         let order = a.merit(goal).total_cmp(&b.merit(goal));
         order.then(variance(a).total_cmp(&variance(b)))
@@ -152,27 +151,24 @@ pub fn rank<F, S: IntegrationSpace>(candidates: &mut [Candidate<F, S>], goal: Go
 
 /// Predicts the variance at the valid count nearest to `n`, and returns that count. For the rate,
 /// also predicts roughly, where affordable, at the valid counts nearest to n/2 and n/4.
-fn around<F: SamplerFamily<S> + Clone, S: IntegrationSpace>(
-    curve: &mut PredictedCurve<F, S>,
-    predictor: &mut PredictorOn<'_, S>,
+fn around<F: Clone, C: CurvePredictor<F> + ?Sized>(
+    curve: &mut PredictedCurve<F, C::Point>,
+    predictor: &mut C,
     n: usize,
     progress: &dyn Progress,
 ) -> Result<usize, Error> {
-    let family = curve.pattern().clone();
-    let space = predictor.space();
-    let valid = |n: usize| family.nearest_count(n, space);
+    let pattern = curve.pattern().clone();
     // A count above the budget is used only if the pattern has none below.
-    let fewer = valid_between(&family, space, 0, n.saturating_add(1), n);
-    let at = fewer.unwrap_or_else(|| valid(n));
+    let at = largest_count_to(&|n| predictor.nearest_count(&pattern, n), n)
+        .unwrap_or_else(|| predictor.nearest_count(&pattern, n));
     curve.predict(predictor, at, progress)?;
-    for n in [n / 4, n / 2].map(valid) {
+    for n in [n / 4, n / 2] {
+        let n = predictor.nearest_count(&pattern, n);
         let rough = predictor.budget().rough();
         // A count that the pattern rejects is left out of the curve.
-        if curve.at(n).is_none()
-            && let Ok(sampler) = family.build(n, space)
-            && predictor.is_affordable_within(rough, S::sampler(&sampler)).unwrap_or(false)
+        if curve.at(n).is_none() && predictor.is_affordable_at(&pattern, n, rough).unwrap_or(false)
         {
-            match predictor.predict_within(rough, S::sampler(&sampler), progress) {
+            match predictor.predict_at(&pattern, n, rough, progress) {
                 Ok(point) => curve.insert(point),
                 Err(error) => ignore_unsupported_count(&error)?,
             }

@@ -29,6 +29,7 @@
 mod candidate;
 mod comparison;
 mod crossover;
+mod curve_predictor;
 mod degree;
 mod designs;
 mod energy_levels;
@@ -58,6 +59,7 @@ mod visible_half;
 pub use candidate::{Candidate, Goal, rank};
 pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};
+pub use curve_predictor::CurvePredictor;
 pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree_of};
 pub use designs::best_design;
 pub use error::Error;
@@ -69,7 +71,7 @@ pub use integration::{
 pub use joint_trials::JointTrials;
 pub use measurement::{BiasTest, Measurement};
 pub use predicted_curve::PredictedCurve;
-pub use predicted_point::PredictedPoint;
+pub use predicted_point::{PredictedPoint, PredictedVariance};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use prediction_budget::{PredictionBudget, SpectrumOptions};
 pub use predictor::{Predictor, PredictorOn};

@@ -1,17 +1,19 @@
-use sphvar_samplers::{Domain, Pattern, Progress, SamplerFamily};
+use sphvar_samplers::{Pattern, Progress};
 
-use crate::space::IntegrationSpace;
-use crate::{Error, PredictedPoint, PredictorOn, RateFit, VariancePoint, fit_exact_rate};
+use crate::{
+    CurvePredictor, Error, PredictedPoint, PredictedVariance, RateFit, VariancePoint,
+    fit_exact_rate,
+};
 
 /// The predicted variance of one pattern as a function of its number of points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PredictedCurve<F = Pattern, S: IntegrationSpace = Domain> {
+pub struct PredictedCurve<F = Pattern, P = PredictedPoint> {
     pattern: F,
     /// Sorted by number of points, which are distinct.
-    points: Vec<PredictedPoint<S::Bands>>,
+    points: Vec<P>,
 }
 
-impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
+impl<F, P: PredictedVariance> PredictedCurve<F, P> {
     /// Returns a curve without points.
     #[must_use]
     pub fn new(pattern: F) -> Self {
@@ -26,36 +28,35 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
 
     /// Returns the points, sorted by their distinct numbers of points.
     #[must_use]
-    pub fn points(&self) -> &[PredictedPoint<S::Bands>] {
+    pub fn points(&self) -> &[P] {
         &self.points
     }
 
     /// Returns the point at a number of points, if present.
     #[must_use]
-    pub fn at(&self, n_points: usize) -> Option<&PredictedPoint<S::Bands>> {
-        let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
+    pub fn at(&self, n_points: usize) -> Option<&P> {
+        let found = self.points.binary_search_by_key(&n_points, P::n_points);
         found.ok().map(|i| &self.points[i])
     }
 
     /// Returns the point at a number of points, and predicts it if it is not present. Work is
-    /// ticked as in [`PredictorOn::predict`].
+    /// ticked as in [`PredictorOn::predict`](crate::PredictorOn::predict).
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`PredictorOn::predict`], and an error if the pattern does not support
-    /// that number of points.
-    pub fn predict(
+    /// Returns the errors of [`CurvePredictor::predict_at`].
+    pub fn predict<C: CurvePredictor<F, Point = P> + ?Sized>(
         &mut self,
-        predictor: &mut PredictorOn<'_, S>,
+        predictor: &mut C,
         n_points: usize,
         progress: &dyn Progress,
-    ) -> Result<&PredictedPoint<S::Bands>, Error> {
-        let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
+    ) -> Result<&P, Error> {
+        let found = self.points.binary_search_by_key(&n_points, P::n_points);
         let at = match found {
             Ok(at) => at,
             Err(at) => {
-                let sampler = self.build(n_points, predictor.space())?;
-                let point = predictor.predict(S::sampler(&sampler), progress)?;
+                let budget = predictor.budget();
+                let point = predictor.predict_at(&self.pattern, n_points, budget, progress)?;
                 self.points.insert(at, point);
                 at
             }
@@ -63,21 +64,9 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
         Ok(&self.points[at])
     }
 
-    /// Returns the pattern's sampler of `n_points` points. A family that builds another number of
-    /// points causes an error.
-    pub(crate) fn build(&self, n_points: usize, space: S) -> Result<Box<S::Sampler>, Error> {
-        let sampler = self.pattern.build(n_points, space)?;
-        let got = S::n_points(S::sampler(&sampler));
-        if got != n_points {
-            let reason = format!("{} was built with {got} points, not {n_points}", self.pattern);
-            return Err(sphvar_samplers::Error::Given { reason }.into());
-        }
-        Ok(sampler)
-    }
-
     /// Inserts a point that was predicted before, replacing any at its number of points.
-    pub fn insert(&mut self, point: PredictedPoint<S::Bands>) {
-        match self.points.binary_search_by_key(&point.n_points(), PredictedPoint::n_points) {
+    pub fn insert(&mut self, point: P) {
+        match self.points.binary_search_by_key(&point.n_points(), P::n_points) {
             Ok(at) => self.points[at] = point,
             Err(at) => self.points.insert(at, point),
         }
@@ -86,7 +75,7 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
     /// Returns the points with a variance above 0, for fits and crossovers.
     #[must_use]
     pub fn variance_points(&self) -> Vec<VariancePoint> {
-        let all = self.points.iter().map(PredictedPoint::variance_point);
+        let all = self.points.iter().map(P::variance_point);
         all.filter(|p| p.variance > 0.0).collect()
     }
 
@@ -94,7 +83,7 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
     /// at this number of points; `None` for fewer than two points or if the variance is 0.
     #[must_use]
     pub fn rate_near(&self, n_points: usize) -> Option<RateFit> {
-        if self.at(n_points).is_some_and(|p| p.prediction.variance <= 0.0) {
+        if self.at(n_points).is_some_and(|p| p.prediction().variance <= 0.0) {
             return None;
         }
         self.rate_within(0.25 * n_points as f64, 4.0 * n_points as f64)

@@ -4,6 +4,22 @@ use sphvar_spectrum::Spectrum;
 use crate::{Prediction, VariancePoint};
 use sphvar_integrands::Energy;
 
+/// A variance predicted at a number of points.
+pub trait PredictedVariance {
+    /// Returns the number of points N.
+    fn n_points(&self) -> usize;
+
+    /// Returns the predicted variance with its errors.
+    fn prediction(&self) -> &Prediction;
+
+    /// Returns the predicted variance as a point of a variance curve.
+    fn variance_point(&self) -> VariancePoint {
+        let prediction = self.prediction();
+        let (variance, stderr) = (prediction.variance, prediction.total_stderr());
+        VariancePoint { n_points: self.n_points() as f64, variance, stderr }
+    }
+}
+
 /// The predicted variance of a pattern at one number of points, with the spectrum that it follows
 /// from.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +51,14 @@ impl<B: Bands> PredictedPoint<B> {
         let (seen, all) = terms.fold((0.0, 0.0), |(s, a), (e, p)| (s + e * p, a + e));
         seen / all
     }
+}
 
-    /// Returns the predicted variance as a point of a variance curve.
-    #[must_use]
-    pub fn variance_point(&self) -> VariancePoint {
-        let Prediction { variance, .. } = self.prediction;
-        let stderr = self.prediction.total_stderr();
-        VariancePoint { n_points: self.n_points() as f64, variance, stderr }
+impl<B: Bands> PredictedVariance for PredictedPoint<B> {
+    fn n_points(&self) -> usize {
+        self.n_points()
+    }
+
+    fn prediction(&self) -> &Prediction {
+        &self.prediction
     }
 }

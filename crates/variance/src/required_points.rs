@@ -3,8 +3,10 @@ use std::collections::BTreeSet;
 use sphvar_samplers::{Progress, SamplerFamily};
 
 use crate::predictor::ROUNDING;
-use crate::space::{Distribution, IntegrationSpace};
-use crate::{Error, PredictedCurve, PredictedPoint, Prediction, PredictorOn, RateFit};
+use crate::space::IntegrationSpace;
+use crate::{
+    CurvePredictor, Error, PredictedCurve, PredictedVariance, Prediction, PredictionBudget, RateFit,
+};
 
 /// The number of points that a pattern needs for a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,13 +51,13 @@ const RESOLUTION: f64 = 1.02;
 
 /// Returns the smallest number of points, at most `max_points`, with which `curve`'s pattern has a
 /// predicted variance of at most `variance`. Predictions made on the way are added to the curve.
-/// Work is ticked as in [`PredictorOn::predict`].
+/// Work is ticked as in [`PredictorOn::predict`](crate::PredictorOn::predict).
 ///
 /// The valid counts nearest to 1, 2, 4, 8, ... are tried until one suffices and the next one does
 /// too. A pattern that is not random needs two more that suffice, since its variance may rise
 /// again. Numbers are tried only while they are affordable, and only if they are not ruled out by
 /// energy that is spread over many degrees beyond 4 sqrt(N), where random patterns have at least
-/// half of white noise's power ([`PredictorOn::broad_variance`]). The interval between the last
+/// half of white noise's power ([`Predictor::broad_variance`](crate::Predictor::broad_variance)). The interval between the last
 /// insufficient number and the next one is refined by interpolation in log N and log Var: to the
 /// exact number where the predictions of a random pattern are exact, otherwise to 2 %. Counts that
 /// were not tried are unknown; a lattice may have a larger variance at one of them. A variance that
@@ -64,7 +66,7 @@ const RESOLUTION: f64 = 1.02;
 /// # Errors
 ///
 /// Returns [`Error::Parameter`] for a variance that is not positive and finite, and the errors of
-/// [`PredictorOn::predict`] if the pattern cannot be built with any of the numbers tried.
+/// [`CurvePredictor::predict_at`] if the pattern cannot be built with any of the numbers tried.
 ///
 /// # Examples
 ///
@@ -82,9 +84,9 @@ const RESOLUTION: f64 = 1.02;
 /// assert_eq!(needed.n_points(), Some(3334));
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
-pub fn required_points<F: SamplerFamily<S> + Clone, S: IntegrationSpace>(
-    predictor: &mut PredictorOn<'_, S>,
-    curve: &mut PredictedCurve<F, S>,
+pub fn required_points<F: Clone, C: CurvePredictor<F> + ?Sized>(
+    predictor: &mut C,
+    curve: &mut PredictedCurve<F, C::Point>,
     variance: f64,
     max_points: usize,
     progress: &dyn Progress,
@@ -107,9 +109,9 @@ pub fn required_points<F: SamplerFamily<S> + Clone, S: IntegrationSpace>(
 /// factor (where it is an estimate) and by more than this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
-struct Search<'a, 'b, F, S: IntegrationSpace> {
-    predictor: &'a mut PredictorOn<'b, S>,
-    curve: &'a mut PredictedCurve<F, S>,
+struct Search<'a, F, C: CurvePredictor<F> + ?Sized> {
+    predictor: &'a mut C,
+    curve: &'a mut PredictedCurve<F, C::Point>,
     variance: f64,
     progress: &'a dyn Progress,
     /// Counts whose prediction on the curve is rough.
@@ -126,36 +128,33 @@ struct Climb {
     is_cut_short: bool,
 }
 
-impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
+impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
     fn climb(&mut self, max_points: usize) -> Result<Climb, Error> {
-        let space = self.predictor.space();
         let pattern = self.curve.pattern().clone();
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut rejection = None;
-        let candidate_counts = candidate_counts(&pattern, space, max_points);
+        let candidate_counts =
+            candidate_counts(&|n| self.predictor.nearest_count(&pattern, n), max_points);
         // The lower bound falls with N: if it rules out the largest number, it rules out all.
         if let Some(&max) = candidate_counts.last()
-            && self.is_ruled_out(&pattern, max)?
+            && self.predictor.is_ruled_out(&pattern, max, self.variance)?
         {
             return Ok(climb);
         }
         for n in candidate_counts {
-            let sampler = pattern.build(n, space);
-            let is_random = sampler.as_ref().is_ok_and(|sampler| is_random::<S>(sampler));
-            if self.is_ruled_out(&pattern, n)? {
+            let is_random = self.predictor.is_random_at(&pattern, n);
+            if self.predictor.is_ruled_out(&pattern, n, self.variance)? {
                 climb.too_few = Some(n);
                 continue;
             }
-            let is_affordable =
-                sampler.map(|sampler| self.predictor.is_affordable(S::sampler(&sampler)));
-            match is_affordable {
-                Ok(Ok(true)) => {}
-                Ok(Ok(false)) => {
+            match self.is_affordable(n) {
+                Ok(true) => {}
+                Ok(false) => {
                     climb.is_cut_short = true;
                     break;
                 }
                 // The prediction itself returns this error.
-                Ok(Err(_)) | Err(_) => {}
+                Err(_) => {}
             }
             match self.suffices(n) {
                 Ok(true) => {
@@ -185,20 +184,6 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
         }
     }
 
-    /// Returns whether a number is known to be insufficient without a prediction. White noise is
-    /// left out, since its predictions are nearly free.
-    fn is_ruled_out(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
-        let white = self.predictor.white_variance(n_points);
-        let sampler = pattern.build(n_points, self.predictor.space());
-        let kind = sampler
-            .as_ref()
-            .map_or(Distribution::Fixed, |sampler| S::distribution(S::sampler(sampler)));
-        if matches!(kind, Distribution::Independent) || white <= self.variance {
-            return Ok(false);
-        }
-        Ok(S::min_variance(self.predictor, n_points, kind.is_random())? > self.variance)
-    }
-
     /// Returns the answer from a number that suffices and the largest one that does not.
     fn predicted(
         &mut self,
@@ -210,29 +195,28 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
             None => enough,
         };
         self.predict_precisely(n_points)?;
-        let tried = self.curve.points().iter().rev().map(PredictedPoint::n_points);
+        let tried = self.curve.points().iter().rev().map(C::Point::n_points);
         let too_few = tried.filter(|&n| n < n_points).find(|&n| !self.suffices_at(n));
         Ok(RequiredPoints::Predicted { n_points, too_few })
     }
 
     /// Returns the smallest number found to suffice between one that does not and one that does.
     fn refine(&mut self, mut too_few: usize, mut enough: usize) -> Result<usize, Error> {
-        let space = self.predictor.space();
         let pattern = self.curve.pattern().clone();
-        let is_lattice =
-            pattern.build(enough, space).is_ok_and(|sampler| !is_random::<S>(&sampler));
+        let is_lattice = !self.predictor.is_random_at(&pattern, enough);
         let mut halve = false;
         loop {
             // Lattices with neighbouring counts differ by more than this.
             let is_exact = !is_lattice
                 && [too_few, enough]
                     .iter()
-                    .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction.stderr == 0.0));
+                    .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction().stderr == 0.0));
             if !is_exact && enough as f64 <= RESOLUTION * too_few as f64 {
                 return Ok(enough);
             }
             let wanted = self.between(too_few, enough, halve);
-            let Some(n) = valid_between(&pattern, space, too_few, enough, wanted) else {
+            let valid = |n: usize| self.predictor.nearest_count(&pattern, n);
+            let Some(n) = count_between(&valid, too_few, enough, wanted) else {
                 return Ok(enough);
             };
             let before = enough as f64 / too_few as f64;
@@ -258,7 +242,7 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
     fn between(&self, too_few: usize, enough: usize, halve: bool) -> usize {
         let at = |n: usize| (n as f64).ln();
         let excess = |n: usize| {
-            self.curve.at(n).map_or(f64::NAN, |p| (p.prediction.variance / self.variance).ln())
+            self.curve.at(n).map_or(f64::NAN, |p| (p.prediction().variance / self.variance).ln())
         };
         let (from, to) = (excess(too_few), excess(enough));
         let share = from / (from - to);
@@ -273,11 +257,8 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
         let budget = self.predictor.budget().rough();
         if self.curve.at(n_points).is_none() {
-            let sampler = self.curve.build(n_points, self.predictor.space())?;
-            let point =
-                self.predictor.predict_within(budget, S::sampler(&sampler), self.progress)?;
+            self.predict_within(budget, n_points)?;
             self.rough.insert(n_points);
-            self.curve.insert(point);
         }
         if !self.is_clear(n_points) {
             self.predict_precisely(n_points)?;
@@ -288,27 +269,32 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
     fn is_clear(&self, n_points: usize) -> bool {
         let (factor, errors) = CLEAR;
         self.curve.at(n_points).is_some_and(|point| {
-            let Prediction { variance, stderr, .. } = point.prediction;
+            let Prediction { variance, stderr, .. } = *point.prediction();
             let ratio = variance / self.variance;
             // A standard error estimated from few realizations may be too small.
             let is_far = stderr == 0.0 || !(1.0 / factor..=factor).contains(&ratio);
             let distance = (variance - self.variance).abs();
-            is_far && distance > errors * point.prediction.total_stderr()
+            is_far && distance > errors * point.prediction().total_stderr()
         })
     }
 
     /// Replaces a rough prediction by one with the full budget.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
         if self.rough.remove(&n_points) {
-            let sampler = self.curve.build(n_points, self.predictor.space())?;
-            let point = self.predictor.predict(S::sampler(&sampler), self.progress)?;
-            self.curve.insert(point);
+            self.predict_within(self.predictor.budget(), n_points)?;
         }
         Ok(())
     }
 
+    fn predict_within(&mut self, budget: PredictionBudget, n_points: usize) -> Result<(), Error> {
+        let pattern = self.curve.pattern();
+        let point = self.predictor.predict_at(pattern, n_points, budget, self.progress)?;
+        self.curve.insert(point);
+        Ok(())
+    }
+
     fn suffices_at(&self, n_points: usize) -> bool {
-        self.curve.at(n_points).is_some_and(|p| p.prediction.variance <= self.variance)
+        self.curve.at(n_points).is_some_and(|p| p.prediction().variance <= self.variance)
     }
 
     /// Extrapolates from the rate of the last points; if the resulting number is affordable, it is
@@ -327,7 +313,7 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
                 last /= 2;
             }
             for n in [last, last / 2, last / 4] {
-                let n = pattern.nearest_count(n, self.predictor.space());
+                let n = self.predictor.nearest_count(&pattern, n);
                 if let Err(error) = self.suffices(n) {
                     ignore_unsupported_count(&error)?;
                 }
@@ -349,13 +335,13 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
     }
 
     fn is_affordable(&mut self, n_points: usize) -> Result<bool, Error> {
-        let sampler = self.curve.build(n_points, self.predictor.space())?;
-        self.predictor.is_affordable(S::sampler(&sampler))
+        let budget = self.predictor.budget();
+        self.predictor.is_affordable_at(self.curve.pattern(), n_points, budget)
     }
 
     /// Returns whether the valid count nearest to `n_points` can be predicted within the budget.
     fn is_affordable_next_to(&mut self, n_points: usize) -> bool {
-        let next = self.curve.pattern().nearest_count(n_points, self.predictor.space());
+        let next = self.predictor.nearest_count(self.curve.pattern(), n_points);
         self.is_affordable(next).unwrap_or(false)
     }
 
@@ -376,17 +362,13 @@ impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
             reason = "positive and at most max_points"
         )]
         let n = if n <= max_points as f64 { n.ceil() as usize } else { usize::MAX };
-        let (pattern, space) = (self.curve.pattern(), self.predictor.space());
-        let above = valid_between(pattern, space, n.saturating_sub(1), usize::MAX, n);
+        let valid = |n: usize| self.predictor.nearest_count(self.curve.pattern(), n);
+        let above = count_between(&valid, n.saturating_sub(1), usize::MAX, n);
         match above.filter(|&n| n <= max_points) {
             Some(n_points) => RequiredPoints::Extrapolated { n_points, fit },
             None => RequiredPoints::OutOfReach,
         }
     }
-}
-
-fn is_random<S: IntegrationSpace>(sampler: &S::Sampler) -> bool {
-    S::distribution(S::sampler(sampler)).is_random()
 }
 
 /// Ignores errors for counts that the pattern does not support, and returns any other error.
@@ -403,19 +385,18 @@ pub(crate) fn ignore_unsupported_count(error: &Error) -> Result<(), Error> {
 
 /// Returns the valid counts nearest to 1, 2, 4, ..., and the largest valid count, none beyond
 /// `max_points`.
-fn candidate_counts<S: IntegrationSpace>(
-    pattern: &dyn SamplerFamily<S>,
-    space: S,
-    max_points: usize,
-) -> Vec<usize> {
+fn candidate_counts(valid: &dyn Fn(usize) -> usize, max_points: usize) -> Vec<usize> {
     let powers = (0..usize::BITS).map(|k| 1_usize << k).take_while(|&n| n < max_points);
-    let mut candidate_counts: Vec<usize> =
-        powers.map(|n| pattern.nearest_count(n, space)).collect();
-    let beyond = max_points.saturating_add(1);
-    candidate_counts.extend(valid_between(pattern, space, 0, beyond, max_points));
+    let mut candidate_counts: Vec<usize> = powers.map(valid).collect();
+    candidate_counts.extend(largest_count_to(valid, max_points));
     candidate_counts.retain(|&n| n <= max_points);
     candidate_counts.dedup();
     candidate_counts
+}
+
+/// Returns the largest valid count of at most `max_points`, or `None` if there is none.
+pub(crate) fn largest_count_to(valid: &dyn Fn(usize) -> usize, max_points: usize) -> Option<usize> {
+    count_between(valid, 0, max_points.saturating_add(1), max_points)
 }
 
 /// Returns the valid count of a pattern nearest to `wanted` among those above `low` and below
@@ -428,11 +409,19 @@ pub fn valid_between<S: IntegrationSpace>(
     high: usize,
     wanted: usize,
 ) -> Option<usize> {
+    count_between(&|n| pattern.nearest_count(n, space), low, high, wanted)
+}
+
+/// Returns [`valid_between`] for the valid counts nearest to any count, which never decrease.
+pub(crate) fn count_between(
+    valid: &dyn Fn(usize) -> usize,
+    low: usize,
+    high: usize,
+    wanted: usize,
+) -> Option<usize> {
     if high <= low.saturating_add(1) {
         return None;
     }
-    // The valid count nearest to n never decreases as n grows.
-    let valid = |n: usize| pattern.nearest_count(n, space);
     let wanted = wanted.clamp(low + 1, high - 1);
     let (mut from, mut to) = (low + 1, high - 1);
     let near = valid(wanted);

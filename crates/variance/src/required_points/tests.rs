@@ -27,13 +27,15 @@ fn valid_counts_in_an_interval_are_found() {
 
 #[test]
 fn candidate_counts_are_valid_and_end_with_the_maximum() {
-    let sphere = Domain::Sphere;
-    assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 11), []);
-    assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 12), [12]);
-    assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 200), [12, 48, 108, 192]);
-    assert_eq!(candidate_counts(&Pattern::WhiteNoise, sphere, 0), []);
-    assert_eq!(candidate_counts(&Pattern::WhiteNoise, sphere, 9), [1, 2, 4, 8, 9]);
-    let all = candidate_counts(&Pattern::Healpix, sphere, usize::MAX);
+    let counts = |pattern: Pattern, max_points: usize| {
+        candidate_counts(&|n| pattern.nearest_count(n, Domain::Sphere), max_points)
+    };
+    assert_eq!(counts(Pattern::Jittered, 11), []);
+    assert_eq!(counts(Pattern::Jittered, 12), [12]);
+    assert_eq!(counts(Pattern::Jittered, 200), [12, 48, 108, 192]);
+    assert_eq!(counts(Pattern::WhiteNoise, 0), []);
+    assert_eq!(counts(Pattern::WhiteNoise, 9), [1, 2, 4, 8, 9]);
+    let all = counts(Pattern::Healpix, usize::MAX);
     assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
 }
 

@@ -11,10 +11,11 @@ use sphvar_variance::{
 use super::choosable::{Choosable, PredictorOf};
 use super::question::Question;
 use crate::error::CliError;
+use crate::patterns::BandsOf;
 
 /// A pattern with its answer to the question and the time for it.
 pub(super) struct TimedCandidate<P: Choosable> {
-    pub(super) answer: Candidate<P, P::Space>,
+    pub(super) answer: Candidate<P, PredictedPoint<BandsOf<P>>>,
     /// Whether it needs more than [`MAX_FACTOR`] times the points of the best pattern, in which
     /// case the exact number is unknown.
     pub(super) is_behind: bool,
@@ -88,7 +89,7 @@ impl<P: Choosable> TimedCandidate<P> {
     }
 
     fn answering(
-        curve: PredictedCurve<P, P::Space>,
+        curve: PredictedCurve<P, PredictedPoint<BandsOf<P>>>,
         max_points: usize,
         question: &Question,
         predictor: &mut PredictorOf<'_, P>,
@@ -153,7 +154,7 @@ const MAX_SET_SECONDS: f64 = 0.2;
 
 /// Returns the time for a set of `n_points`, measured or scaled from the largest predicted set.
 fn set_time<P: Choosable>(
-    curve: &PredictedCurve<P, P::Space>,
+    curve: &PredictedCurve<P, PredictedPoint<BandsOf<P>>>,
     space: P::Space,
     n_points: usize,
     seed: u64,
