@@ -38,6 +38,37 @@ pub enum Error {
         /// The number of points.
         n_points: usize,
     },
+    /// A heuristic of a single density, which has no weights.
+    #[error("{text}: heuristic= is for a sum of warps; remove it")]
+    Heuristic {
+        /// The text of the pattern.
+        text: String,
+    },
+    /// A number of points that the warps of a pattern cannot share.
+    #[error(
+        "{pattern} has no sets of {requested} points: shared between its warps, the nearest valid counts are \
+         {counts:?}, {nearest} together"
+    )]
+    Total {
+        /// The pattern.
+        pattern: String,
+        /// The requested number of points.
+        requested: usize,
+        /// The number of points of each warp at the next valid count.
+        counts: Vec<usize>,
+        /// The next valid count.
+        nearest: usize,
+    },
+    /// A prediction for other densities than those of the pattern.
+    #[error("{pattern} has {expected} warps, but the integrand was divided by {got} densities")]
+    Strategies {
+        /// The pattern.
+        pattern: String,
+        /// The number of its warps.
+        expected: usize,
+        /// The number of densities of the integrand.
+        got: usize,
+    },
     /// The spectrum of a pattern cannot be computed.
     #[error(transparent)]
     Spectrum(#[from] sphvar_spectrum::Error),

@@ -16,13 +16,51 @@ pub(crate) struct KnownMoments {
     pub(crate) n_points: f64,
     /// The variance of the estimate from a single point.
     pub(crate) one_point_variance: f64,
-    /// The kurtosis of the integrand's values, and so of the estimate from a single point.
+    /// The kurtosis of the integrand's values.
     pub(crate) kurtosis: Option<f64>,
+    /// The kurtosis of the estimate from a single point.
+    pub(crate) one_point_kurtosis: Option<f64>,
     /// Whether the points are independent.
     pub(crate) is_independent: bool,
 }
 
 impl KnownMoments {
+    /// Returns the moments of the sum of independent estimates, one of each; those of the only one.
+    ///
+    /// Each sum over N points with the variance `s^2/N` has the fourth cumulant `(k - 3) s^4/N^3`,
+    /// and cumulants add. The result has the same kurtosis of rarely hit values,
+    ///
+    /// ```text
+    /// k/N = sum_i k_i s_i^4/N_i^3/V^2,   V = sum_i s_i^2/N_i,   N = V^2/sum_i s_i^4/N_i^3,
+    /// ```
+    ///
+    /// and `one_point` moments of the sum of one value of each.
+    pub(crate) fn of_sum(parts: &[Self]) -> Self {
+        if let [single] = parts {
+            return *single;
+        }
+        // Relative to the largest variance, so that no power overflows.
+        let variance = parts.iter().map(|part| part.one_point_variance).fold(0.0, f64::max);
+        let relative =
+            |part: &Self| if variance > 0.0 { part.one_point_variance / variance } else { 0.0 };
+        let sum = |term: &dyn Fn(&Self) -> f64| parts.iter().map(term).sum::<f64>();
+        let of_sets = sum(&|part| relative(part) / part.n_points);
+        let quartic = |part: &Self| relative(part).powi(2) / part.n_points.powi(3);
+        let is_known = |part: &Self| part.kurtosis.is_some() || part.one_point_variance <= 0.0;
+        let is_known = parts.iter().all(is_known);
+        let with_kurtosis = |part: &Self| part.kurtosis.map_or(0.0, |k| k * quartic(part));
+        let squares = sum(&relative).powi(2);
+        let fourth = sum(&|part| part.one_point_kurtosis.unwrap_or(0.0) * relative(part).powi(2));
+        let pairs = 3.0 * (squares - sum(&|part| relative(part).powi(2)));
+        Self {
+            n_points: of_sets.powi(2) / sum(&quartic),
+            one_point_variance: sum(&|part| part.one_point_variance),
+            kurtosis: is_known.then(|| sum(&with_kurtosis) / sum(&quartic)),
+            one_point_kurtosis: is_known.then(|| (fourth + pairs) / squares),
+            is_independent: parts.iter().all(|part| part.is_independent),
+        }
+    }
+
     /// Returns the exact relative standard error of the variance of n estimates with independent
     /// points: `r^2 = 2/(n - 1) + (k - 3)/(n N)` for the kurtosis k of values. Returns `None` where
     /// it is unknown.
@@ -66,7 +104,7 @@ impl KnownMoments {
     /// with the variance `s_1^2` and the kurtosis k of a single point. The limit never exceeds
     /// `s_1^2`.
     pub(crate) fn limit_unseen(&self, trials: usize, offset: Option<f64>) -> f64 {
-        let by_trials = self.kurtosis.zip(offset).map(|(kurtosis, offset)| {
+        let by_trials = self.one_point_kurtosis.zip(offset).map(|(kurtosis, offset)| {
             let norm = kurtosis.sqrt().sqrt() * self.one_point_variance.sqrt() + offset.abs();
             rarest_seen(trials).sqrt() * norm * norm
         });
@@ -116,6 +154,43 @@ mod tests {
 
     use super::{KnownMoments, equal_points};
 
+    fn one_value(variance: f64, kurtosis: f64) -> KnownMoments {
+        KnownMoments {
+            n_points: 1.0,
+            one_point_variance: variance,
+            kurtosis: Some(kurtosis),
+            one_point_kurtosis: Some(kurtosis),
+            is_independent: true,
+        }
+    }
+
+    /// Two independent sums, of 5 and of 20 values that are 1 with probabilities 0.2 and 0.05: the
+    /// fourth central moment of their sum is that of the cumulants of binomial counts,
+    /// `N p q (1 - 6 p q)`.
+    #[test]
+    fn moments_of_sums_are_those_of_added_cumulants() {
+        let parts = [(0.2f64, 5.0f64), (0.05, 20.0)];
+        let of = |&(p, n): &(f64, f64)| {
+            let q = 1.0 - p;
+            KnownMoments { n_points: n, ..one_value(p * q, 3.0 + (1.0 - 6.0 * p * q) / (p * q)) }
+        };
+        let cumulants = |size: &dyn Fn(f64) -> f64| {
+            let each =
+                |f: &dyn Fn(f64, f64) -> f64| parts.iter().map(|&(p, n)| f(p, n)).sum::<f64>();
+            // Of means of N values: the sum over `size` values, each divided by it.
+            let second = each(&|p, n| p * (1.0 - p) / size(n));
+            let pq = |p: f64| p * (1.0 - p);
+            let fourth = each(&|p, n| pq(p) * (1.0 - 6.0 * pq(p)) / size(n).powi(3));
+            fourth / second.powi(2)
+        };
+        let sum = KnownMoments::of_sum(&parts.iter().map(of).collect::<Vec<_>>());
+        let excess = (sum.kurtosis.unwrap() - 3.0) / sum.n_points;
+        assert!((excess / cumulants(&|n| n) - 1.0).abs() < 1e-12, "{sum:?}");
+        let excess = sum.one_point_kurtosis.unwrap() - 3.0;
+        assert!((excess / cumulants(&|_| 1.0) - 1.0).abs() < 1e-12, "{sum:?}");
+        assert_eq!(KnownMoments::of_sum(&[of(&parts[0])]), of(&parts[0]));
+    }
+
     fn line(weights: &[f64]) -> PointSet<[f64; 2]> {
         let points = (0..weights.len()).map(|k| [k as f64 / weights.len() as f64, 0.5]).collect();
         PointSet { points, weights: weights.to_vec() }
@@ -149,12 +224,8 @@ mod tests {
         for n in [10, 1000, 100_000] {
             for share in [0.01, 0.3, 1.0] {
                 let p: f64 = share * super::rarest_seen(n);
-                let known = KnownMoments {
-                    n_points: 1.0,
-                    one_point_variance: p * (1.0 - p),
-                    kurtosis: Some((1.0 - p).powi(2) / p + p * p / (1.0 - p)),
-                    is_independent: true,
-                };
+                let kurtosis = (1.0 - p).powi(2) / p + p * p / (1.0 - p);
+                let known = one_value(p * (1.0 - p), kurtosis);
                 let limit = known.limit_unseen(n, Some(p));
                 assert!(limit >= p * (1.0 - p), "{n}, {share}: {limit}");
                 assert!((known.limit_unseen(n, None) - p * (1.0 - p)).abs() < 1e-15);
@@ -169,12 +240,7 @@ mod tests {
         let (p, n) = (0.2f64, 50);
         let variance = p * (1.0 - p);
         let fourth = p * (1.0f64 - p).powi(4) + (1.0 - p) * p.powi(4);
-        let known = KnownMoments {
-            n_points: 1.0,
-            one_point_variance: variance,
-            kurtosis: Some(fourth / variance.powi(2)),
-            is_independent: true,
-        };
+        let known = one_value(variance, fourth / variance.powi(2));
         let expected = ((fourth / variance.powi(2) - 47.0 / 49.0) / 50.0).sqrt();
         assert!((known.exact_error(n).unwrap() / expected - 1.0).abs() < 1e-12);
     }

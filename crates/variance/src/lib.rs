@@ -55,6 +55,7 @@ mod stopping;
 mod student;
 mod trials;
 mod visible_half;
+mod warped;
 
 pub use candidate::{Candidate, Goal, rank};
 pub use comparison::Comparison;
@@ -87,6 +88,7 @@ pub use stopping::{Precision, measure_until};
 pub use student::student_quantile;
 pub use trials::Trials;
 pub use visible_half::{CutAxis, VisibleHalfMeasurement, measure_visible_half};
+pub use warped::{LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

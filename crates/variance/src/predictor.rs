@@ -34,6 +34,8 @@ pub struct PredictorOn<'a, S: IntegrationSpace> {
     integrand: S::Integrand<'a>,
     space: S,
     seed: u64,
+    /// Distinguishes the random streams from those of other predictors for the same sampler.
+    group: usize,
     budget: PredictionBudget,
     options: SpectrumOptions,
     /// The energy of degree 0 and the total.
@@ -65,6 +67,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
             integrand,
             space,
             seed,
+            group: 0,
             budget: budget.checked()?,
             options: SpectrumOptions::default(),
             outline: space.outline(integrand)?,
@@ -78,6 +81,11 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
     #[must_use]
     pub fn with_options(self, options: SpectrumOptions) -> Self {
         Self { options, ..self }
+    }
+
+    /// Returns the predictor with random streams of its own.
+    pub(crate) fn with_group(self, group: usize) -> Self {
+        Self { group, ..self }
     }
 
     /// Returns the predictor with a function that is called with the degree before energies are
@@ -283,7 +291,8 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         purpose: Purpose,
         sampler: S::SamplerRef<'s>,
     ) -> S::Realizations<'s> {
-        S::realizations(sampler, Streams::new(self.seed, purpose, S::stream_group(sampler)))
+        let group = S::stream_group(sampler) ^ self.group;
+        S::realizations(sampler, Streams::new(self.seed, purpose, group))
     }
 
     /// Returns how far the spectrum of a sampler is computed.

@@ -37,13 +37,19 @@ impl Trials {
     /// Returns the default number of trials for a sampler: 1000, for samplers whose sets are expensive to make as
     /// many as a fixed nominal work allows, but at least 50. It is the same on every machine.
     #[must_use]
+    pub fn default_of<S: IntegrationSpace>(sampler: S::SamplerRef<'_>) -> Self {
+        Self::default_of_work(trial_work_of::<S>(sampler))
+    }
+
+    /// Returns [`Self::default_of`] for trials of a nominal work.
+    #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a positive number, and the cast saturates"
     )]
-    pub fn default_of<S: IntegrationSpace>(sampler: S::SamplerRef<'_>) -> Self {
-        let affordable = (Self::DEFAULT_WORK / trial_work_of::<S>(sampler)) as u64;
+    pub(crate) fn default_of_work(work: f64) -> Self {
+        let affordable = (Self::DEFAULT_WORK / work) as u64;
         Self::new(affordable.clamp(Self::MIN_DEFAULT, Self::DEFAULT))
     }
 
@@ -127,18 +133,7 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<Comparison, Error> {
-        let known = self.known_moments(sampler);
-        // No number of trials makes a variance due to rounding precise.
-        let is_visible = prediction.variance > self.estimate_rounding();
-        let measurement = match trials.until.filter(|_| is_visible) {
-            None => Measurement::new(source(0..trials.count)?),
-            Some(target) => {
-                let start = trials.count.max(known.trials_for(target.relative));
-                progress.expect((start - trials.count) as f64 * trial_work_of::<S>(sampler));
-                until(source, trial_work_of::<S>(sampler), start, target, progress)?
-            }
-        };
-        Ok(self.comparison(prediction, measurement, sampler))
+        self.experiment(sampler).measure(source, prediction, trials, progress)
     }
 
     /// Returns the comparison of a prediction with a measurement for the same sampler.
@@ -148,10 +143,14 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
         measurement: Measurement,
         sampler: S::SamplerRef<'_>,
     ) -> Comparison {
-        Comparison {
+        self.experiment(sampler).comparison(prediction, measurement)
+    }
+
+    /// Returns what is known of the trials with a sampler.
+    pub(crate) fn experiment(&self, sampler: S::SamplerRef<'_>) -> Experiment {
+        Experiment {
             n_points: S::n_points(sampler),
-            prediction,
-            measurement,
+            work: trial_work_of::<S>(sampler),
             exact: self.space().integral(self.integrand()),
             rounding: self.estimate_rounding(),
             prediction_rounding: self.energy().prediction_rounding(),
@@ -165,6 +164,7 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
                 .unwrap_or(S::n_points(sampler) as f64),
             one_point_variance: self.energy().bands().factor(1) * self.energy().beyond(0),
             kurtosis: self.kurtosis(),
+            one_point_kurtosis: self.kurtosis(),
             is_independent: S::is_independent(sampler),
         }
     }
@@ -173,6 +173,71 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
     /// a sum of numbers of the size of F, whose roundings partly cancel.
     pub(crate) fn estimate_rounding(&self) -> f64 {
         self.space().area() * self.energy().total() * (4.0 * f64::EPSILON).powi(2)
+    }
+}
+
+/// What is known of trials before they are made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Experiment {
+    pub(crate) n_points: usize,
+    /// The nominal work of a trial.
+    pub(crate) work: f64,
+    /// The exact integral.
+    pub(crate) exact: Option<f64>,
+    /// The variance that rounding of an estimate alone can produce.
+    pub(crate) rounding: f64,
+    /// The variance that rounding of the prediction alone can produce.
+    pub(crate) prediction_rounding: f64,
+    pub(crate) known: KnownMoments,
+}
+
+impl Experiment {
+    /// Returns what is known of trials that each add one estimate of every experiment, whose
+    /// expectations sum to `exact` if that is known.
+    pub(crate) fn of_sum(parts: &[Self], exact: Option<f64>) -> Self {
+        let known: Vec<KnownMoments> = parts.iter().map(|part| part.known).collect();
+        Self {
+            n_points: parts.iter().map(|part| part.n_points).sum(),
+            work: parts.iter().map(|part| part.work).sum(),
+            exact,
+            rounding: parts.iter().map(|part| part.rounding).sum(),
+            prediction_rounding: parts.iter().map(|part| part.prediction_rounding).sum(),
+            known: KnownMoments::of_sum(&known),
+        }
+    }
+
+    /// Returns the comparison of a prediction with the variance of trials, whose estimates `source`
+    /// returns.
+    pub(crate) fn measure(
+        &self,
+        source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
+        prediction: Prediction,
+        trials: Trials,
+        progress: &dyn Progress,
+    ) -> Result<Comparison, Error> {
+        // No number of trials makes a variance due to rounding precise.
+        let is_visible = prediction.variance > self.rounding;
+        let measurement = match trials.until.filter(|_| is_visible) {
+            None => Measurement::new(source(0..trials.count)?),
+            Some(target) => {
+                let start = trials.count.max(self.known.trials_for(target.relative));
+                progress.expect((start - trials.count) as f64 * self.work);
+                until(source, self.work, start, target, progress)?
+            }
+        };
+        Ok(self.comparison(prediction, measurement))
+    }
+
+    fn comparison(&self, prediction: Prediction, measurement: Measurement) -> Comparison {
+        Comparison {
+            n_points: self.n_points,
+            prediction,
+            measurement,
+            exact: self.exact,
+            rounding: self.rounding,
+            prediction_rounding: self.prediction_rounding,
+            known: self.known,
+        }
     }
 }
 

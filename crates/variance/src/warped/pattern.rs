@@ -1,0 +1,252 @@
+use std::fmt;
+
+use sphvar_integrands::grammar::{Spec, quote, split_outside};
+use sphvar_integrands::{Heuristic, WarpExpression};
+use sphvar_samplers::{FileResolver, SamplerFamily, Square, SquarePattern, SquareSampler};
+
+use crate::estimates::trial_work_of;
+use crate::{Error, Trials};
+
+/// A pattern of the unit square that is mapped to directions of one or several known densities:
+/// importance sampling, as in `sobol:warp=cosine` or
+/// `jittered-square:warp="0.3 * cosine + 0.7 * env:sky.exr",heuristic=power`.
+///
+/// It is an estimator of integrals, not a pattern of directions: sets are shifted modulo 1 before
+/// they are mapped and are not rotated, and points have the weights 1/(N p). A sum of warps is
+/// several strategies, each with points of its own (multiple importance sampling); their numbers
+/// are the [`counts`](Self::counts). The keys `warp` and `heuristic` are those of the estimator,
+/// all others those of the pattern.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_samplers::FileResolver;
+/// use sphvar_variance::WarpedPattern;
+///
+/// let text = "jittered-square:warp=\"1 * cosine + 3 * vmf:kappa=50\"";
+/// assert!(WarpedPattern::is_warped(text));
+/// let pattern: WarpedPattern = text.parse()?;
+/// assert_eq!(pattern.to_string(), text);
+/// // Squares of integers next to 25 and 75.
+/// assert_eq!(pattern.counts(100), [25, 81]);
+/// assert_eq!(pattern.nearest_count(100), 106);
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct WarpedPattern {
+    /// The pattern of the square.
+    pub pattern: SquarePattern,
+    /// The densities to which its points are mapped, with the shares of the points.
+    pub warp: WarpExpression,
+    /// The weights of several strategies.
+    pub heuristic: Heuristic,
+}
+
+/// The key of the densities.
+const WARP: &str = "warp";
+/// The key of the heuristic.
+const HEURISTIC: &str = "heuristic";
+/// The maximum number of steps to the next total number of points whose parts are all valid.
+const MAX_STEPS: usize = 1000;
+
+impl WarpedPattern {
+    /// Returns whether a text has the key `warp`.
+    #[must_use]
+    pub fn is_warped(text: &str) -> bool {
+        items(text).1.iter().any(|item| key(item) == Some(WARP))
+    }
+
+    /// Reads `name:key=value,warp=WARP`; `files` reads the files that the pattern names, not those
+    /// of the warp.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Spectrum`] with the error of [`SquarePattern::parse`], [`Error::Integrand`]
+    /// with that of the warp or heuristic, for a text without `warp`, and for a heuristic of a
+    /// single warp.
+    pub fn parse(text: &str, files: &dyn FileResolver) -> Result<Self, Error> {
+        Self::read(text, &|pattern| SquarePattern::parse(pattern, files))
+    }
+
+    fn read(
+        text: &str,
+        pattern: &dyn Fn(&str) -> Result<SquarePattern, sphvar_samplers::Error>,
+    ) -> Result<Self, Error> {
+        let mut spec = Spec::parse(text).map_err(sphvar_integrands::Error::from)?;
+        let missing = || {
+            let (text, key) = (text.to_owned(), WARP.to_owned());
+            sphvar_integrands::Error::from(sphvar_integrands::grammar::Error::Missing { text, key })
+        };
+        let warp: WarpExpression = spec.take(WARP).ok_or_else(missing)?.parse()?;
+        let heuristic = spec.take(HEURISTIC);
+        if heuristic.is_some() && warp.n_strategies() == 1 {
+            return Err(Error::Heuristic { text: text.to_owned() });
+        }
+        let heuristic = heuristic.map_or(Ok(Heuristic::default()), |name| name.parse())?;
+        let (name, items) = items(text);
+        let own = |item: &&str| !matches!(key(item), Some(WARP | HEURISTIC));
+        let others: Vec<&str> = items.into_iter().filter(own).collect();
+        let separator = if others.is_empty() { "" } else { ":" };
+        let pattern = pattern(&format!("{name}{separator}{}", others.join(",")))?;
+        Ok(Self { pattern, warp, heuristic })
+    }
+
+    /// Returns the name in tables and plots, as [`SquarePattern::label`] does.
+    #[must_use]
+    pub fn label(&self) -> String {
+        self.text(&self.pattern.label())
+    }
+
+    fn text(&self, pattern: &str) -> String {
+        let separator = if pattern.contains(':') { ',' } else { ':' };
+        let warp = quote(&self.warp.to_string());
+        let mut text = format!("{pattern}{separator}{WARP}={warp}");
+        if self.heuristic != Heuristic::default() && self.n_strategies() > 1 {
+            text += &format!(",{HEURISTIC}={}", self.heuristic);
+        }
+        text
+    }
+
+    /// Returns the number of strategies, each with points of its own.
+    #[must_use]
+    pub fn n_strategies(&self) -> usize {
+        self.warp.n_strategies()
+    }
+
+    /// Returns the number of points of each strategy at [`nearest_count`](Self::nearest_count) of
+    /// `n`: the valid counts nearest to the shares.
+    #[must_use]
+    pub fn counts(&self, n: usize) -> Vec<usize> {
+        let shares = self.warp.shares();
+        let mut counts = self.rounded(&shares, n);
+        // Totals of rounded parts may be rounded to other parts. Since the parts never decrease
+        // with the total, the steps from total to total are all up or all down, to the next total
+        // that stays.
+        for _ in 0..MAX_STEPS {
+            let next = self.rounded(&shares, total(&counts));
+            if next == counts {
+                break;
+            }
+            counts = next;
+        }
+        counts
+    }
+
+    fn rounded(&self, shares: &[f64], n: usize) -> Vec<usize> {
+        let part = |share: &f64| if shares.len() == 1 { n } else { rounded_share(*share, n) };
+        shares.iter().map(|share| self.pattern.nearest_count(part(share))).collect()
+    }
+
+    /// Returns the valid number of points next to `requested`; never 0, and never decreasing.
+    #[must_use]
+    pub fn nearest_count(&self, requested: usize) -> usize {
+        total(&self.counts(requested))
+    }
+
+    /// Returns the number of points of a pattern that has only one, because it is a single point
+    /// file.
+    #[must_use]
+    pub fn own_count(&self) -> Option<usize> {
+        self.pattern.own_count().map(|n| n.saturating_mul(self.n_strategies()))
+    }
+
+    /// Returns the sampler of each strategy, for `n` points together.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`SquarePattern::build`], and an error naming the next valid count if
+    /// `n` is none.
+    pub fn samplers(&self, n: usize) -> Result<Vec<Box<dyn SquareSampler>>, Error> {
+        let counts = self.counts(n);
+        if counts.len() == 1 {
+            return Ok(vec![self.pattern.build(n)?]);
+        }
+        let nearest = total(&counts);
+        if nearest != n {
+            let pattern = self.to_string();
+            return Err(Error::Total { pattern, requested: n, counts, nearest });
+        }
+        Ok(counts.into_iter().map(|n| self.pattern.build(n)).collect::<Result<_, _>>()?)
+    }
+
+    /// Returns the nominal work of one trial with `n` points, or with the next valid count.
+    #[must_use]
+    pub fn trial_work(&self, n: usize) -> f64 {
+        let samplers = self.samplers(self.nearest_count(n));
+        let of_all =
+            |samplers: Vec<_>| samplers.iter().map(|s| trial_work_of::<Square>(s)).sum::<f64>();
+        samplers.map_or(n as f64, of_all)
+    }
+
+    /// Returns the default number of trials with `n` points, as [`Trials::default_of`] does.
+    #[must_use]
+    pub fn default_trials(&self, n: usize) -> Trials {
+        Trials::default_of_work(self.trial_work(n))
+    }
+}
+
+fn total(counts: &[usize]) -> usize {
+    counts.iter().fold(0, |sum: usize, n| sum.saturating_add(*n))
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of n is positive, and the cast saturates"
+)]
+fn rounded_share(share: f64, n: usize) -> usize {
+    (share * n as f64).round() as usize
+}
+
+/// Returns the name and the items of a specification.
+fn items(text: &str) -> (&str, Vec<&str>) {
+    let mut pieces = split_outside(text, ",");
+    let (name, first) = pieces[0].split_once(':').unwrap_or((pieces[0], ""));
+    pieces[0] = first;
+    pieces.retain(|piece| !piece.is_empty());
+    (name, pieces)
+}
+
+fn key(item: &str) -> Option<&str> {
+    item.split_once('=').map(|(key, _)| key)
+}
+
+/// Reads texts whose pattern needs no file.
+impl std::str::FromStr for WarpedPattern {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        Self::read(text, &|pattern| pattern.parse())
+    }
+}
+
+/// Writes the form that [`WarpedPattern::parse`] reads.
+impl fmt::Display for WarpedPattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.text(&self.pattern.to_string()))
+    }
+}
+
+/// The sets on the square, of a pattern with a single warp.
+impl SamplerFamily<Square> for WarpedPattern {
+    /// # Errors
+    ///
+    /// Those of [`SquarePattern::build`], and [`Given`](sphvar_samplers::Error::Given) for several
+    /// warps, each of which has a sampler of its own.
+    fn build(
+        &self,
+        n_points: usize,
+        _: Square,
+    ) -> Result<Box<dyn SquareSampler>, sphvar_samplers::Error> {
+        let strategies = self.n_strategies();
+        if strategies > 1 {
+            let reason = format!("{self} has {strategies} samplers, one for each warp");
+            return Err(sphvar_samplers::Error::Given { reason });
+        }
+        self.pattern.build(n_points)
+    }
+
+    fn nearest_count(&self, requested: usize, _: Square) -> usize {
+        Self::nearest_count(self, requested)
+    }
+}
