@@ -1,7 +1,7 @@
 use glam::DVec3;
 use sphvar_warps::{Measure, Support, UniformCap, Warp};
 
-use crate::subjects::{all, edge_points, enclosing_cap, points};
+use crate::subjects::{all, edge_points, points};
 
 /// The distance on a circle of length 1, for longitudes at the seam.
 fn distance(x: f64, y: f64) -> f64 {
@@ -87,7 +87,7 @@ fn the_density_is_the_reciprocal_of_the_jacobian() {
     for (name, warp) in all() {
         let breaks_in_u = warp.breaks_in_u();
         let mut compared = 0;
-        for [u, v] in points(3000) {
+        for [u, v] in points(1000) {
             let near =
                 |breaks: &[f64], x: f64, gap: f64| breaks.iter().any(|b| (b - x).abs() < gap);
             let is_inside = |x: f64| (EDGE..1.0 - EDGE).contains(&x);
@@ -107,24 +107,6 @@ fn the_density_is_the_reciprocal_of_the_jacobian() {
             compared += 1;
         }
         assert!(compared > 100, "{name}: only {compared} points were compared");
-    }
-}
-
-/// The integral by 1e5 points of low discrepancy in a cap that encloses the support.
-#[test]
-fn the_integral_of_the_density_is_1() {
-    for (name, warp) in all() {
-        if warp.measure() != Measure::SolidAngle {
-            continue;
-        }
-        let samples: Vec<_> = points(2000).map(|point| warp.map(point)).collect();
-        let cap = enclosing_cap(&samples);
-        let ratio = |point| {
-            let sample = cap.sample(point);
-            warp.density(sample.point) / sample.density
-        };
-        let integral = points(100_000).map(ratio).sum::<f64>() / 1e5;
-        assert!((integral - 1.0).abs() < 5e-3, "{name}: {integral}");
     }
 }
 
