@@ -13,8 +13,8 @@
 //! | [`PhongLobe`] | cos^n(theta) | 4e-15 | 40 |
 //! | [`VonMisesFisherLobe`] | e^(kappa cos(theta)), kappa from 0 to 1e8 | 4e-15 | 26 |
 //! | [`SphericalTriangle`] | uniform on a spherical triangle (Arvo) | 2e-16/extent | 40 |
-//! | [`SphericalRectangle`] | uniform on the image of a rectangle (Urena et al.) | 2e-16/extent | 1400 |
-//! | [`DensityMap`] | a luminance map, also times cos(theta), with a floor | 1e-14 | 330 to 420 |
+//! | [`SphericalRectangle`] | uniform on the image of a rectangle (Urena et al.) | 2e-16/extent | 200 to 450 |
+//! | [`DensityMap`] | a luminance map, also times cos(theta), with a floor | 1e-14 | 310 to 370 |
 //!
 //! Round trips are errors of coordinates of the square; ns is the time of a sample on one core, for
 //! maps of 128 x 64 texels.

@@ -20,8 +20,9 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// u selects alpha by the solid angle of the strip and v the height between h(x, y0) and h(x, y1).
 /// This is the map of Urena, Fajardo and King, whose closed form loses all digits for small solid
 /// angles. Here F is a sum over corners or, where these cancel, of two triangles (Van Oosterom and
-/// Strackee 1983), and alpha is found by Newton's iteration. F is accurate to a few roundings also
-/// for rectangles of 1e-12 steradian, or seen nearly edge-on.
+/// Strackee 1983). Newton's iteration for alpha starts from the closed form where corners do not
+/// cancel. F is accurate to a few roundings also for rectangles of 1e-12 steradian, or seen nearly
+/// edge-on.
 ///
 /// Round trips are accurate to about 1e-15 plus 2e-16 divided by the smallest angular extent.
 ///
@@ -51,13 +52,17 @@ pub struct SphericalRectangle {
     z: f64,
     /// Whether x runs against the first edge.
     is_reversed: bool,
-    /// sin and cos of alpha at x1.
+    /// alpha1 with its sin and cos.
+    end: f64,
     sin_end: f64,
     cos_end: f64,
     /// alpha1 - alpha0.
     range: f64,
     /// Whether solid angles follow from corners, otherwise from triangles.
     has_corners: bool,
+    /// The corners at x1, and the rounding error of sums of corners.
+    corners_at_end: f64,
+    rounding: f64,
     solid_angle: f64,
 }
 
@@ -105,14 +110,23 @@ impl SphericalRectangle {
             y,
             z,
             is_reversed,
+            end: x[1].atan2(z),
             sin_end: x[1] / distance,
             cos_end: z / distance,
             range: ((x[1] - x[0]) * z).atan2(z * z + x[0] * x[1]),
             has_corners: false,
+            corners_at_end: 0.0,
+            rounding: 0.0,
             solid_angle: 0.0,
         };
-        let (sum, magnitude) = rectangle.sum_of_corners(x[0]);
-        rectangle.has_corners = magnitude <= MAX_CANCELLATION * sum;
+        let corners = x.map(|x| rectangle.corners(x));
+        let [sum_at_start, sum_at_end] = corners.map(|[low, high]| high - low);
+        let magnitude = corners.iter().flatten().map(|corner| corner.abs()).sum::<f64>();
+        rectangle.has_corners = magnitude <= MAX_CANCELLATION * (sum_at_end - sum_at_start);
+        if rectangle.has_corners {
+            rectangle.corners_at_end = sum_at_end;
+            rectangle.rounding = 2.0 * f64::EPSILON * magnitude;
+        }
         rectangle.solid_angle = rectangle.strip(x[0], x[1] - x[0]);
         if !(rectangle.solid_angle > 0.0 && rectangle.range > 0.0) {
             return Err(degenerate("a positive solid angle: it is not seen edge-on or as a point"));
@@ -128,19 +142,22 @@ impl SphericalRectangle {
 
     /// Returns the solid angle of the strip from x to the far end, of this width.
     fn strip(&self, x: f64, width: f64) -> f64 {
-        if self.has_corners { self.sum_of_corners(x).0 } else { self.sum_of_triangles(x, width) }
+        if self.has_corners {
+            let [low, high] = self.corners(x);
+            self.corners_at_end - (high - low)
+        } else {
+            self.sum_of_triangles(x, width)
+        }
     }
 
-    /// Returns the solid angle of the strip by the four rectangles between the foot of the
-    /// perpendicular and a corner, and the sum of their magnitudes.
-    fn sum_of_corners(&self, x: f64) -> (f64, f64) {
-        let corner = |x: f64, y: f64| (x * y).atan2(self.z * x.hypot(y).hypot(self.z));
-        let ([y0, y1], end) = (self.y, self.x[1]);
-        let corners = [corner(end, y1), -corner(end, y0), corner(x, y0), -corner(x, y1)];
-        (corners.iter().sum(), corners.map(f64::abs).iter().sum())
+    /// Returns the solid angles of the rectangles between the foot of the perpendicular and the
+    /// corners at x, with signs.
+    fn corners(&self, x: f64) -> [f64; 2] {
+        let distance = x.hypot(self.z);
+        self.y.map(|y| (x * y).atan2(self.z * distance.hypot(y)))
     }
 
-    /// Returns the same as the sum of two triangles.
+    /// Returns the solid angle of the strip as the sum of two triangles.
     fn sum_of_triangles(&self, x: f64, width: f64) -> f64 {
         let [y0, y1] = self.y;
         let [near, far] = [x, self.x[1]].map(|x| [y0, y1].map(|y| DVec3::new(x, y, self.z)));
@@ -151,6 +168,25 @@ impl SphericalRectangle {
             2.0 * triple.atan2(denominator)
         };
         triangle(near[0], far[0], far[1]) + triangle(near[0], far[1], near[1])
+    }
+
+    /// Returns a longitude before the far end near that at which the strip has a solid angle.
+    ///
+    /// The corners of column x are asin(b sin(alpha)) with b = y/sqrt(y^2 + z^2); with their
+    /// difference d, which is that at the far end minus the solid angle,
+    ///
+    /// ```text
+    /// sin(alpha) = sin(d)/sqrt((b1 - b0)^2 + 4 b0 b1 sin(d/2)^2)
+    /// ```
+    fn estimate(&self, target: f64) -> f64 {
+        if !self.has_corners {
+            return target / self.solid_angle * self.range;
+        }
+        let [b0, b1] = self.y.map(|y| y / y.hypot(self.z));
+        let d = self.corners_at_end - target;
+        let half = (0.5 * d).sin();
+        let sin = d.sin() / ((b1 - b0) * (b1 - b0) + 4.0 * b0 * b1 * half * half).sqrt();
+        self.end - sin.clamp(-1.0, 1.0).asin()
     }
 
     /// Returns x and x1 - x at the longitude `delta` before the far end, and cos(alpha).
@@ -199,10 +235,11 @@ impl Warp for SphericalRectangle {
     fn sample(&self, [u, v]: [f64; 2]) -> WarpSample {
         let share = if self.is_reversed { u } else { 1.0 - u };
         let target = share * self.solid_angle;
-        let delta = increasing_root(self.range, target, share * self.range, |delta| {
-            let (x, width, cos_alpha) = self.column(delta);
-            (self.strip(x, width), self.heights(cos_alpha).extent)
-        });
+        let delta =
+            increasing_root(self.range, target, self.rounding, self.estimate(target), |delta| {
+                let (x, width, cos_alpha) = self.column(delta);
+                (self.strip(x, width), self.heights(cos_alpha).extent)
+            });
         let (_, _, cos_alpha) = self.column(delta);
         let sin_alpha = self.sin_end * delta.cos() - self.cos_end * delta.sin();
         let heights = self.heights(cos_alpha);

@@ -69,7 +69,7 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         HardCase {
             name: "map_of_16384_x_8192_texels",
             what: "relative densities and round trips of a bilinear map of 1.3e8 texels of 1 but for one of 1e6 \
-                   (1.1 GB of memory)",
+                   (1.2 GB of memory)",
             bound: 1e-10,
             reason: "rounding of angles, relative to a texel, is 1e-12, and steeper next to the bright texel",
             measure: large_map,

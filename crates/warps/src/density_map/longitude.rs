@@ -1,6 +1,8 @@
 //! The conditional density over columns at a colatitude.
 
-use super::latitude::linear_root;
+use super::guide::{bracket, last_interval, write_guide};
+use super::sampling::index_of;
+use crate::newton::linear_root;
 
 /// Number of cells between stored sums: two cache lines, and a sixteenth of the memory of texels.
 pub(super) const BLOCK: usize = 16;
@@ -11,6 +13,8 @@ pub(super) struct Row<'a> {
     pub(super) texels: &'a [f64],
     /// The sums of the cells before each block, and of all.
     pub(super) sums: &'a [f64],
+    /// The blocks at equidistant fractions of the sum.
+    pub(super) guide: &'a [u32],
     /// Whether cells lie between the centres of texels instead of between their edges.
     pub(super) is_bilinear: bool,
 }
@@ -36,9 +40,14 @@ impl Row<'_> {
         self.sums[self.sums.len() - 1] / self.texels.len() as f64
     }
 
-    /// Writes the sums before each block of cells, and the total.
-    pub(super) fn write_sums(texels: &[f64], is_bilinear: bool, sums: &mut [f64]) {
-        let row = Row { texels, sums: &[], is_bilinear };
+    /// Writes the sums before each block of cells, and the total, and the guide.
+    pub(super) fn write_sums(
+        texels: &[f64],
+        is_bilinear: bool,
+        sums: &mut [f64],
+        guide: &mut [u32],
+    ) {
+        let row = Row { texels, sums: &[], guide: &[], is_bilinear };
         let mut sum = 0.0;
         for cell in 0..texels.len() {
             if cell % BLOCK == 0 {
@@ -49,6 +58,7 @@ impl Row<'_> {
         if let Some(total) = sums.last_mut() {
             *total = sum;
         }
+        write_guide(sums, guide);
     }
 }
 
@@ -90,8 +100,8 @@ impl Columns<'_> {
 
     /// Returns the cell, the place in it, and the density there, of a fraction v of the integral.
     ///
-    /// A bisection of blocks, then the sums of at most [`BLOCK`] cells: each sum is the one that
-    /// was stored, so the map is monotone across blocks.
+    /// A search of blocks, then the sums of at most [`BLOCK`] cells: each sum is the one that was
+    /// stored, so the map is monotone across blocks.
     pub(super) fn find(&self, v: f64) -> (usize, f64, f64) {
         let blocks = self.rows[0].sums.len() - 1;
         let total = self.before_block(blocks);
@@ -101,15 +111,7 @@ impl Columns<'_> {
         }
         // Below the total there is a cell with a positive integral.
         let target = (v * total).min(total.next_down());
-        let (mut low, mut high) = (0, blocks);
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if self.before_block(middle) <= target {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let low = last_interval(blocks, self.bracket(v), target, |block| self.before_block(block));
         let mut sums = self.rows.map(|row| row.sums[low]);
         let mut cell = low * BLOCK;
         let mut before = self.combine(sums, cell);
@@ -128,6 +130,27 @@ impl Columns<'_> {
         let [first, last] = self.ends(cell);
         let x = linear_root(first, last, target - before);
         (cell, x, first + (last - first) * x)
+    }
+
+    /// Returns a bracket of the block at a fraction v: quantiles of a mixture are between those of
+    /// its components.
+    fn bracket(&self, v: f64) -> [usize; 2] {
+        let [mut low, mut high] = [usize::MAX, 0];
+        let mut include = |[first, end]: [usize; 2]| {
+            low = low.min(first);
+            high = high.max(end);
+        };
+        for (row, factor) in self.rows.iter().zip(self.factors) {
+            if factor * row.sums[row.sums.len() - 1] > 0.0 {
+                include(bracket(row.guide, v));
+            }
+        }
+        if self.floor > 0.0 {
+            let block = index_of(v * self.len() as f64, self.len()) / BLOCK;
+            include([block, block + 1]);
+        }
+        // Products with a factor may underflow, and the sum not.
+        if low < high { [low, high] } else { [0, self.rows[0].guide.len()] }
     }
 
     /// Returns the fraction of the integral before `x` in [0, 1] of a cell.

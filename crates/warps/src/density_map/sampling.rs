@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::guide::{bracket, last_interval};
 use super::latitude::Band;
 use super::{DensityMap, Interpolation};
 use crate::polar::half_open;
@@ -14,7 +15,8 @@ impl DensityMap {
     fn find_band(&self, u: f64) -> (Band, f64) {
         let target = (u * self.total()).min(self.total().next_down());
         // The last band that begins at or before the target has a positive integral.
-        let index = self.bands.partition_point(|before| *before <= target) - 1;
+        let bracket = bracket(&self.band_guide, u);
+        let index = last_interval(self.n_bands(), bracket, target, |band| self.bands[band]);
         let band = self.band(index);
         let t = self.profile(&band).inverse(target - self.bands[index]);
         (band, t)
@@ -33,7 +35,7 @@ impl DensityMap {
         let theta = dir.x.hypot(dir.y).atan2(dir.z);
         let index = index_of(theta / self.step() + self.offset(), self.n_bands());
         let band = self.band(index);
-        let t = (theta - band.top).clamp(0.0, band.extent);
+        let t = (theta - band.top.radians).clamp(0.0, band.extent());
         let turns = (dir.y.atan2(dir.x) - self.first_longitude) / TAU;
         let place = (turns - self.offset() / self.width as f64).rem_euclid(1.0) * self.width as f64;
         let cell = index_of(place, self.width);
@@ -47,7 +49,7 @@ impl DensityMap {
     clippy::cast_sign_loss,
     reason = "the cast saturates, and the result is limited"
 )]
-fn index_of(x: f64, len: usize) -> usize {
+pub(super) fn index_of(x: f64, len: usize) -> usize {
     (x as usize).min(len - 1)
 }
 
@@ -57,7 +59,7 @@ impl Warp for DensityMap {
         let (cell, x, value) = self.columns(&band, t).find(v);
         let turns = (cell as f64 + x + self.offset()) / self.width as f64;
         let (sin, cos) = (self.first_longitude + TAU * turns).sin_cos();
-        let theta = band.top + t;
+        let theta = band.top.radians + t;
         let (sin_theta, z) = theta.sin_cos();
         // The cosine of pi/2, rounded, may be negative.
         let z = if self.is_hemisphere { z.max(0.0) } else { z };
