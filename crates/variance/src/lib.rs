@@ -88,7 +88,9 @@ pub use stopping::{Precision, measure_until};
 pub use student::student_quantile;
 pub use trials::Trials;
 pub use visible_half::{CutAxis, VisibleHalfMeasurement, measure_visible_half};
-pub use warped::{LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor};
+pub use warped::{
+    LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor, WarpedText,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -4,11 +4,13 @@ mod comparison;
 mod pattern;
 mod point;
 mod predictor;
+mod text;
 
 pub use comparison::{LargestSeen, WarpedComparison};
 pub use pattern::WarpedPattern;
 pub use point::WarpedPoint;
 pub use predictor::WarpedPredictor;
+pub use text::WarpedText;
 
 /// Returns the number that distinguishes the random streams of a strategy from those of others with
 /// the same sampler. The numbers of samplers of built-in patterns are below 2^32 for fewer points

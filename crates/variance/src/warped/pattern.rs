@@ -1,11 +1,10 @@
 use std::fmt;
 
-use sphvar_integrands::grammar::{Spec, quote, split_outside};
 use sphvar_integrands::{Heuristic, WarpExpression};
 use sphvar_samplers::{FileResolver, SamplerFamily, Square, SquarePattern, SquareSampler};
 
 use crate::estimates::trial_work_of;
-use crate::{Error, Trials};
+use crate::{Error, Trials, WarpedText};
 
 /// A pattern of the unit square that is mapped to directions of one or several known densities:
 /// importance sampling, as in `sobol:warp=cosine` or
@@ -42,10 +41,6 @@ pub struct WarpedPattern {
     pub heuristic: Heuristic,
 }
 
-/// The key of the densities.
-const WARP: &str = "warp";
-/// The key of the heuristic.
-const HEURISTIC: &str = "heuristic";
 /// The maximum number of steps to the next total number of points whose parts are all valid.
 const MAX_STEPS: usize = 1000;
 
@@ -53,7 +48,7 @@ impl WarpedPattern {
     /// Returns whether a text has the key `warp`.
     #[must_use]
     pub fn is_warped(text: &str) -> bool {
-        items(text).1.iter().any(|item| key(item) == Some(WARP))
+        WarpedText::is_warped(text)
     }
 
     /// Reads `name:key=value,warp=WARP`; `files` reads the files that the pattern names, not those
@@ -72,22 +67,13 @@ impl WarpedPattern {
         text: &str,
         pattern: &dyn Fn(&str) -> Result<SquarePattern, sphvar_samplers::Error>,
     ) -> Result<Self, Error> {
-        let mut spec = Spec::parse(text).map_err(sphvar_integrands::Error::from)?;
-        let missing = || {
-            let (text, key) = (text.to_owned(), WARP.to_owned());
-            sphvar_integrands::Error::from(sphvar_integrands::grammar::Error::Missing { text, key })
-        };
-        let warp: WarpExpression = spec.take(WARP).ok_or_else(missing)?.parse()?;
-        let heuristic = spec.take(HEURISTIC);
-        if heuristic.is_some() && warp.n_strategies() == 1 {
+        let parts: WarpedText = text.parse()?;
+        let warp: WarpExpression = parts.warp.parse()?;
+        if parts.heuristic.is_some() && warp.n_strategies() == 1 {
             return Err(Error::Heuristic { text: text.to_owned() });
         }
-        let heuristic = heuristic.map_or(Ok(Heuristic::default()), |name| name.parse())?;
-        let (name, items) = items(text);
-        let own = |item: &&str| !matches!(key(item), Some(WARP | HEURISTIC));
-        let others: Vec<&str> = items.into_iter().filter(own).collect();
-        let separator = if others.is_empty() { "" } else { ":" };
-        let pattern = pattern(&format!("{name}{separator}{}", others.join(",")))?;
+        let pattern = pattern(&parts.pattern)?;
+        let heuristic = parts.heuristic.unwrap_or_default();
         Ok(Self { pattern, warp, heuristic })
     }
 
@@ -98,13 +84,13 @@ impl WarpedPattern {
     }
 
     fn text(&self, pattern: &str) -> String {
-        let separator = if pattern.contains(':') { ',' } else { ':' };
-        let warp = quote(&self.warp.to_string());
-        let mut text = format!("{pattern}{separator}{WARP}={warp}");
-        if self.heuristic != Heuristic::default() && self.n_strategies() > 1 {
-            text += &format!(",{HEURISTIC}={}", self.heuristic);
-        }
-        text
+        let is_stated = self.heuristic != Heuristic::default() && self.n_strategies() > 1;
+        let text = WarpedText {
+            pattern: pattern.to_owned(),
+            warp: self.warp.to_string(),
+            heuristic: is_stated.then_some(self.heuristic),
+        };
+        text.to_string()
     }
 
     /// Returns the number of strategies, each with points of its own.
@@ -196,19 +182,6 @@ fn total(counts: &[usize]) -> usize {
 )]
 fn rounded_share(share: f64, n: usize) -> usize {
     (share * n as f64).round() as usize
-}
-
-/// Returns the name and the items of a specification.
-fn items(text: &str) -> (&str, Vec<&str>) {
-    let mut pieces = split_outside(text, ",");
-    let (name, first) = pieces[0].split_once(':').unwrap_or((pieces[0], ""));
-    pieces[0] = first;
-    pieces.retain(|piece| !piece.is_empty());
-    (name, pieces)
-}
-
-fn key(item: &str) -> Option<&str> {
-    item.split_once('=').map(|(key, _)| key)
 }
 
 /// Reads texts whose pattern needs no file.
