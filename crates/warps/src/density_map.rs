@@ -6,6 +6,7 @@ mod sampling;
 
 use std::f64::consts::TAU;
 use std::fmt;
+use std::sync::Arc;
 
 use crate::Error;
 use latitude::Angle;
@@ -49,9 +50,9 @@ pub enum Interpolation {
 /// because coordinates have only 53 bits. A texel with less than 1e-16 of the integral is not
 /// sampled.
 ///
-/// Performance: 8.75 bytes per texel, which include the texels. Construction reads the texels twice.
-/// A sample takes two searches from tables and Newton's iteration in theta. A map of 16384 x 8192
-/// texels takes 1.2 GB and about a second.
+/// Performance: 8.75 bytes per texel, which include the texels and which clones share. Construction
+/// reads the texels twice. A sample takes two searches from tables and Newton's iteration in theta.
+/// A map of 16384 x 8192 texels takes 1.2 GB and about a second.
 ///
 /// # Examples
 ///
@@ -78,11 +79,11 @@ pub struct DensityMap {
     width: usize,
     height: usize,
     /// Texels times a power of two, at most 2.
-    texels: Vec<f64>,
+    texels: Arc<Vec<f64>>,
     /// For each row, the sums of [`Row`].
-    sums: Vec<f64>,
+    sums: Arc<Vec<f64>>,
     /// For each row, the guide of [`Row`].
-    guides: Vec<u32>,
+    guides: Arc<Vec<u32>>,
     /// For each band of the sphere, whether a cell is 0 at all its corners.
     has_zero_cell: Vec<bool>,
     min_texel: f64,
@@ -160,9 +161,9 @@ impl DensityMap {
         let mut map = Self {
             width,
             height,
-            texels,
-            sums,
-            guides,
+            texels: Arc::new(texels),
+            sums: Arc::new(sums),
+            guides: Arc::new(guides),
             has_zero_cell: Vec::new(),
             min_texel: min * scale,
             min_positive: min_positive * scale,
