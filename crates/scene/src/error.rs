@@ -149,6 +149,28 @@ pub enum Error {
         /// The maximum number per side.
         max: usize,
     },
+    /// A map of the square leads to points of a disk instead of directions.
+    #[error("a density of directions is required, got one of points of a disk")]
+    NoDirections,
+    /// Densities are 0 where the integrand is not, so that estimates would be biased.
+    #[error(
+        "the density is 0 where the integrand is not: at theta = {theta:.1}, phi = {phi:.1} degrees {frame}; \
+         {percent:.2} % of the integral is lost; add a density that is positive there, such as the uniform \
+         one, or a floor to that of a map"
+    )]
+    NoDensity {
+        /// Colatitude in degrees.
+        theta: f64,
+        /// Longitude in degrees.
+        phi: f64,
+        /// The frame of both, in words.
+        frame: &'static str,
+        /// The lost share of the integral in percent.
+        percent: f64,
+    },
+    /// Directions of a light are to sample another integral.
+    #[error("the density of a light samples only the integral over the same light")]
+    OtherLight,
     /// Two images to be compared show different surfaces.
     #[error("the image shows different surfaces from the reference image")]
     OtherView,

@@ -17,7 +17,8 @@
 //! [`Scene::occlusion_into`] determines which of many directions at such a point are occluded.
 //!
 //! [`render`] computes the picture of an [`Integral`] over the hemisphere of each point, with the
-//! directions of a [`DirectionPlan`]; [`RenderErrors`] reports the errors of repeated renders
+//! uniform directions of a [`DirectionPlan`], or those of a [`WarpedPlan`], which have the density of
+//! a cosine, an environment map or a light; [`RenderErrors`] reports the errors of repeated renders
 //! relative to a reference image and their structure.
 //!
 //! # Features
@@ -30,9 +31,15 @@ mod geometry;
 mod obj;
 mod picture;
 
+pub use directions::density::Density;
+pub use directions::light_warp::LightMap;
 pub use directions::mode::DirectionMode;
 pub use directions::plan::DirectionPlan;
 pub use directions::sets::DirectionSets;
+pub use directions::shading_point::ShadingPoint;
+pub use directions::source::{Directions, SetWeight};
+pub use directions::warped_plan::WarpedPlan;
+pub use directions::warped_sets::WarpedSets;
 pub use error::Error;
 pub use geometry::bounds::Bounds;
 pub use geometry::hit::{Hit, Reach};

@@ -81,10 +81,7 @@ impl DirectionPlan {
     ///
     /// Returns [`Error::Setting`] for tables without sets.
     pub fn with_sets(self, n_sets: usize) -> Result<Self, Error> {
-        if n_sets == 0 {
-            let name = "the number of sets of a table";
-            return Err(Error::Setting { name, range: "at least 1", got: 0.0 });
-        }
+        check_sets(n_sets)?;
         Ok(Self { n_sets: self.n_sets.map(|_| n_sets), ..self })
     }
 
@@ -111,13 +108,7 @@ impl DirectionPlan {
     /// whatever their number. A small number of sets may be better or worse than the average set.
     #[must_use]
     pub fn default_sets(pattern: &Pattern, n_points: usize) -> usize {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "positive, and the cast saturates"
-        )]
-        let in_time = (TABLE_WORK / pattern.nominal_work(n_points)) as usize;
-        (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(MIN_SETS, MAX_SETS)
+        sets_of_work(pattern.nominal_work(n_points), n_points)
     }
 
     /// Returns the pattern.
@@ -208,4 +199,22 @@ fn set_points(pattern: &Pattern, n_points: usize, mode: DirectionMode) -> usize 
     let is_valid = |points: usize| pattern.nearest_count(points, mode.domain()) == points;
     let is_odd = mode.domain() == Domain::Sphere && !is_valid(points);
     if is_odd && points > 1 && is_valid(points - 1) { points - 1 } else { points }
+}
+
+/// Returns the default number of sets of this nominal work and number of points in a table.
+pub(super) fn sets_of_work(nominal_work: f64, n_points: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive, and the cast saturates"
+    )]
+    let in_time = (TABLE_WORK / nominal_work) as usize;
+    (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(MIN_SETS, MAX_SETS)
+}
+
+/// Rejects tables without sets.
+pub(super) fn check_sets(n_sets: usize) -> Result<(), Error> {
+    let name = "the number of sets of a table";
+    let error = Error::Setting { name, range: "at least 1", got: 0.0 };
+    if n_sets == 0 { Err(error) } else { Ok(()) }
 }

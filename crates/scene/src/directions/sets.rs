@@ -7,7 +7,7 @@ use sphvar_samplers::{
 };
 
 use crate::directions::frame::frame;
-use crate::{DirectionMode, Error};
+use crate::{DirectionMode, Directions, Error, SetWeight, ShadingPoint};
 
 /// The sets of one render, with the choice and rotation of the set at each hit point.
 ///
@@ -119,18 +119,38 @@ impl DirectionSets {
         Ok(self.visible_weights[chosen])
     }
 
-    /// Returns the nominal work of the set that each pixel generates separately; 0 in other modes.
-    pub(crate) fn own_work(&self) -> f64 {
-        match self.mode {
-            DirectionMode::Fresh => self.sampler.nominal_work(),
-            _ => 0.0,
-        }
-    }
-
     /// Returns the index of a random set.
     fn choose(&self, rng: &mut dyn Rng) -> usize {
         // A single set needs no random number.
         if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) }
+    }
+}
+
+impl Directions for DirectionSets {
+    fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    fn directions_into(
+        &self,
+        at: &ShadingPoint<'_>,
+        index: u64,
+        directions: &mut PointSet,
+    ) -> Result<SetWeight, Error> {
+        let expected = Self::directions_into(self, at.normal(), index, directions)?;
+        Ok(SetWeight { visible: directions.weight_sums().0, expected })
+    }
+
+    fn is_uniform(&self) -> bool {
+        true
+    }
+
+    /// Returns the nominal work of the set that each pixel generates separately; 0 in other modes.
+    fn own_work(&self) -> f64 {
+        match self.mode {
+            DirectionMode::Fresh => self.sampler.nominal_work(),
+            _ => 0.0,
+        }
     }
 }
 

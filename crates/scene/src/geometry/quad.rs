@@ -72,9 +72,13 @@ impl Quad {
     /// Returns the distance, in lengths of `dir`, at which a ray meets the quadrilateral from
     /// either side, edges included.
     ///
-    /// Returns `None` for rays in its plane and for rays that start there.
+    /// Returns `None` for rays in its plane, for rays that start there, and if the quadrilateral is
+    /// smaller than the rounding of its distance.
     pub fn intersect(&self, origin: DVec3, dir: DVec3) -> Option<f64> {
-        meet(self.corners.map(|c| c - origin), self.normal, dir)
+        let corners = self.corners.map(|c| c - origin);
+        let [a, b, c, d] = corners;
+        // The cone over a point would contain every direction.
+        (a != c && b != d).then(|| meet(corners, self.normal, dir))?
     }
 }
 
@@ -135,5 +139,7 @@ mod tests {
         assert_eq!(quad.normal(), DVec3::Z);
         assert_eq!(quad.intersect(DVec3::new(0.5, 0.5, 3.0), -DVec3::Z), Some(3.0));
         assert_eq!(quad.intersect(DVec3::new(0.5, 0.5, 3.0), DVec3::Z), None);
+        // From a distance at which it is a point.
+        assert_eq!(quad.intersect(DVec3::new(1e30, 2e30, 3e30), -DVec3::Z), None);
     }
 }

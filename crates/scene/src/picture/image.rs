@@ -20,6 +20,10 @@ pub struct Image {
     pub n_points: usize,
     /// The number of occlusion rays traced.
     pub rays: u64,
+    /// N times the variance for N independent directions of the density from which this picture was
+    /// sampled, estimated from these directions; empty for uniform directions, for which it is
+    /// [`Self::spreads`].
+    pub sampled_spreads: Vec<f64>,
 }
 
 impl Image {
@@ -40,6 +44,11 @@ impl Image {
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.weighted_mean(&self.values)
+    }
+
+    /// Returns N times the variance of a pixel for N independent directions of the sampled density.
+    pub(crate) fn sampled_spread(&self, pixel: usize) -> f64 {
+        self.sampled_spreads.get(pixel).copied().unwrap_or(self.spreads[pixel])
     }
 
     fn weighted_mean(&self, of_pixels: &[f64]) -> f64 {

@@ -71,6 +71,8 @@ pub(crate) struct Sums {
     pub(crate) values: f64,
     /// The sum of `w f^2`.
     pub(crate) squares: f64,
+    /// The sum of `(w f)^2`.
+    pub(crate) squared_terms: f64,
     /// The number of rays traced.
     pub(crate) rays: u64,
 }
@@ -118,8 +120,10 @@ impl Integral<'_> {
         let weight = |k: usize| weights.get(k).copied().unwrap_or(1.0);
         let open = occluded.iter().enumerate().filter(|(_, occluded)| !**occluded);
         if let Integral::AmbientOcclusion { cosine: false, .. } = self {
-            let open: f64 = open.map(|(k, _)| weight(k)).sum();
-            return Sums { values: open, squares: open, ..sums };
+            let (open, squared_terms) = open.fold((0.0, 0.0), |(sum, squares), (k, _)| {
+                (sum + weight(k), squares + weight(k) * weight(k))
+            });
+            return Sums { values: open, squares: open, squared_terms, ..sums };
         }
         for (k, _) in open {
             let (dir, w) = (dirs[k], weight(k));
@@ -131,6 +135,7 @@ impl Integral<'_> {
             };
             sums.values += w * f;
             sums.squares += w * f * f;
+            sums.squared_terms += w * f * (w * f);
         }
         sums
     }

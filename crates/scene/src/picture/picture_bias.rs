@@ -21,14 +21,16 @@ impl PictureBias {
     pub const ALPHA: f64 = 0.01;
 
     /// Tests the pixels with these numbers. `moments(k)` returns the mean and variance of the
-    /// errors of the k-th pixel over `renders` renders with `n_points` directions. Returns `None`
-    /// without pixels or with fewer than two renders.
+    /// errors of the k-th pixel over `renders` renders with `n_points` directions, and `spread(k)`
+    /// N times the variance for N independent directions of their density. Returns `None` without
+    /// pixels or with fewer than two renders.
     pub(crate) fn new(
         reference: &Image,
         pixels: &[usize],
         renders: usize,
         n_points: usize,
         moments: impl Fn(usize) -> (f64, f64),
+        spread: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let count = renders as f64;
         let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
@@ -44,12 +46,12 @@ impl PictureBias {
         let scores = pixels.iter().enumerate().map(|(k, &i)| {
             let (mean, variance) = moments(k);
             // The reference is jittered, so its variance is at most that of independent directions.
-            let of_reference = reference.spreads[i] / reference.n_points as f64;
+            let of_reference = reference.sampled_spread(i) / reference.n_points as f64;
             // If all renders agree by chance, their scatter is not informative. The share of a
             // single direction, of the size of those that contribute, cannot be resolved.
             let value = reference.values[i];
             let resolution = if is_random && value > 0.0 {
-                (value + reference.spreads[i] / value) / (count * n_points as f64)
+                (value + spread(k) / value) / (count * n_points as f64)
             } else {
                 0.0
             };

@@ -2,7 +2,7 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Progress;
 
 use crate::picture::integral::Workspace;
-use crate::{DirectionSets, Error, Estimator, Image, Integral, View};
+use crate::{Directions, Error, Estimator, Image, Integral, SetWeight, ShadingPoint, View};
 
 /// The side of the square tiles, which are rendered one at a time.
 const TILE: usize = 16;
@@ -12,21 +12,24 @@ const TILE: usize = 16;
 struct Pixel {
     value: f64,
     spread: f64,
+    sampled_spread: f64,
     coverage: f64,
     rays: u64,
 }
 
 /// Returns the image of a view, rendered in parallel over tiles. Ticks [`pixel_work`] for each
-/// pixel and, in mode [`Fresh`](crate::DirectionMode::Fresh), the nominal work of its set.
+/// pixel and [`Directions::own_work`].
+///
+/// The estimator matters only for halves of weighted or sphere sets; importance sampling is
+/// unbiased.
 ///
 /// A pixel's value depends only on the view's scene, camera and size, the integral, the directions
 /// and its position in the image.
 ///
 /// # Errors
 ///
-/// Returns the errors of [`Integral::check`], and [`Error::Sampler`] if a set of
-/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be generated or `progress` stops
-/// the work.
+/// Returns the errors of [`Integral::check`], and [`Error::Sampler`] if a set cannot be
+/// generated or `progress` stops the work.
 ///
 /// # Examples
 ///
@@ -49,7 +52,7 @@ pub fn render(
     view: &View<'_>,
     integral: &Integral<'_>,
     estimator: Estimator,
-    directions: &DirectionSets,
+    directions: &dyn Directions,
     progress: &dyn Progress,
 ) -> Result<Image, Error> {
     integral.check()?;
@@ -85,6 +88,7 @@ pub fn render(
         coverage: vec![0.0; n_pixels],
         n_points: directions.n_points(),
         rays: 0,
+        sampled_spreads: if directions.is_uniform() { Vec::new() } else { vec![0.0; n_pixels] },
     };
     for (tile, pixels) in tiles?.iter().enumerate() {
         let [left, top] = corner(tile);
@@ -94,6 +98,9 @@ pub fn render(
             image.values[at] = pixel.value;
             image.spreads[at] = pixel.spread;
             image.coverage[at] = pixel.coverage;
+            if let Some(spread) = image.sampled_spreads.get_mut(at) {
+                *spread = pixel.sampled_spread;
+            }
             image.rays += pixel.rays;
         }
     }
@@ -111,7 +118,7 @@ fn pixel(
     view: &View<'_>,
     integral: &Integral<'_>,
     estimator: Estimator,
-    directions: &DirectionSets,
+    directions: &dyn Directions,
     [x, y]: [usize; 2],
     workspace: &mut Workspace,
 ) -> Result<Pixel, Error> {
@@ -127,8 +134,9 @@ fn pixel(
         };
         let index = (y * width + x) * per_side * per_side + j * per_side + i;
         let set = &mut workspace.directions;
-        let expected = directions.directions_into(hit.normal, index as u64, set)?;
-        let visible = set.weight_sums().0;
+        let point = ShadingPoint::new(view.scene(), &hit);
+        let SetWeight { visible, expected } =
+            directions.directions_into(&point, index as u64, set)?;
         let sums = integral.sums(view.scene(), &hit, workspace);
         pixel.value += estimator.factor(visible, expected) * sums.values;
         let over_visible = |sum: f64| if visible == 0.0 { 0.0 } else { sum / visible };
@@ -136,12 +144,16 @@ fn pixel(
         // For a constant, rounding may leave slightly less than 0.
         let spread = (over_visible(sums.squares) - mean * mean).max(0.0);
         pixel.spread += spread;
+        let n = directions.n_points() as f64;
+        let squares = n * sums.squared_terms / (visible * visible);
+        pixel.sampled_spread += (squares - mean * mean).max(0.0);
         hits += 1;
         pixel.rays += sums.rays;
     }
     let share = 1.0 / f64::from(hits.max(1));
     pixel.value *= share;
     pixel.spread *= share * share;
+    pixel.sampled_spread *= share * share;
     pixel.coverage = f64::from(hits) / (per_side * per_side) as f64;
     Ok(pixel)
 }

@@ -20,6 +20,8 @@ pub struct RenderErrors<'a> {
     n_points: usize,
     /// The errors of the pixels that count, one slice per render.
     errors: Vec<Box<[f64]>>,
+    /// The sums over renders of the sampled spreads; empty for uniform directions.
+    sampled_spreads: Vec<f64>,
     sums: Vec<Sums>,
 }
 
@@ -28,6 +30,8 @@ pub struct RenderErrors<'a> {
 struct Sums {
     /// The mean square over all pixels that count.
     mean_square: f64,
+    /// The largest magnitude.
+    largest: f64,
     /// The squares of the means over blocks, and the mean squares in the same blocks.
     of_blocks: f64,
     in_blocks: f64,
@@ -51,6 +55,10 @@ pub struct ErrorReport {
     /// includes the squared error of the reference image. It has no standard error for two renders
     /// and is NaN for one.
     pub bias_squared: Estimate,
+    /// The largest error of a pixel in magnitude, averaged over renders, in units of the root mean
+    /// squared error: a measure of fireflies. It is 4.0 for 10^4 pixels with normal errors of equal
+    /// variance, and 5.0 for 10^6. NaN without errors.
+    pub firefly: Estimate,
     /// The variance of mean errors over 8 by 8 pixels, relative to its value for independent
     /// pixels: 1 for independent pixels, 64 if all errors in a square are equal. NaN if no square
     /// is completely visible or there are no errors.
@@ -73,7 +81,15 @@ impl<'a> RenderErrors<'a> {
             .flat_map(|y| corners(reference.width).map(move |x| y * reference.width + x))
             .filter(|&corner| square(corner, reference.width).all(is_seen))
             .collect();
-        Self { reference, pixels, blocks, n_points: 0, errors: Vec::new(), sums: Vec::new() }
+        Self {
+            reference,
+            pixels,
+            blocks,
+            n_points: 0,
+            errors: Vec::new(),
+            sampled_spreads: Vec::new(),
+            sums: Vec::new(),
+        }
     }
 
     /// Adds a render.
@@ -92,6 +108,11 @@ impl<'a> RenderErrors<'a> {
         self.sums.push(self.sums_of(&errors));
         self.errors.push(self.pixels.iter().map(|&i| errors[i]).collect());
         self.n_points = image.n_points;
+        if !image.sampled_spreads.is_empty() {
+            self.sampled_spreads.resize(image.values.len(), 0.0);
+            let pairs = self.sampled_spreads.iter_mut().zip(&image.sampled_spreads);
+            pairs.for_each(|(sum, spread)| *sum += spread);
+        }
         Ok(())
     }
 
@@ -101,7 +122,8 @@ impl<'a> RenderErrors<'a> {
         let width = self.reference.width;
         let squared = |i: usize| errors[i] * errors[i];
         let mean_square = self.mean(self.pixels.iter().map(|&i| squared(i)));
-        let mut sums = Sums { mean_square, ..Sums::default() };
+        let largest = self.pixels.iter().fold(0.0, |max: f64, &i| max.max(errors[i].abs()));
+        let mut sums = Sums { mean_square, largest, ..Sums::default() };
         let area = (BLOCK * BLOCK) as f64;
         for &corner in &self.blocks {
             let mean = square(corner, width).map(|i| errors[i]).sum::<f64>() / area;
@@ -156,12 +178,40 @@ impl<'a> RenderErrors<'a> {
             mse,
             variance,
             bias_squared: self.bias_squared(mse.value, variance.value, &moments),
+            firefly: self.firefly(),
             structure: self.jackknife(|sums| [area * sums.of_blocks, sums.in_blocks]),
             autocorrelation: self.jackknife(|sums| [sums.products, sums.squares]),
-            bias: PictureBias::new(self.reference, &self.pixels, count, self.n_points, |k| {
-                moments[k]
-            }),
+            bias: PictureBias::new(
+                self.reference,
+                &self.pixels,
+                count,
+                self.n_points,
+                |k| moments[k],
+                |k| self.sampled_spread(self.pixels[k]),
+            ),
         }
+    }
+
+    /// Returns N times the variance of a pixel for N independent directions of the density of the
+    /// renders.
+    fn sampled_spread(&self, pixel: usize) -> f64 {
+        match self.sampled_spreads.get(pixel) {
+            Some(sum) => sum / self.errors.len() as f64,
+            None => self.reference.spreads[pixel],
+        }
+    }
+
+    /// Returns the mean of the largest errors over the root of the mean square.
+    fn firefly(&self) -> Estimate {
+        let count = self.sums.len();
+        let ratio = |left_out: Option<usize>| {
+            let used = self.sums.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
+            let [n, largest, square] = used.fold([0.0; 3], |[n, largest, square], (_, sums)| {
+                [n + 1.0, largest + sums.largest, square + sums.mean_square]
+            });
+            largest / n / (square / n).sqrt()
+        };
+        Estimate::jackknife(ratio(None), count, |i| ratio(Some(i)))
     }
 
     /// Returns the mean of the pixels' variances.
@@ -228,6 +278,7 @@ mod tests {
             coverage: vec![1.0; width * height],
             n_points: 16,
             rays: 0,
+            sampled_spreads: Vec::new(),
         }
     }
 
@@ -242,6 +293,7 @@ mod tests {
         // Quarters are exact in binary.
         assert_eq!((report.mse.value, report.mse.stderr), (0.0625, 0.0));
         assert_eq!((report.structure.value, report.autocorrelation.value), (64.0, 1.0));
+        assert_eq!((report.firefly.value, report.firefly.stderr), (1.0, 0.0));
         assert_eq!((report.variance.value, report.bias_squared.value), (0.125, -0.0625));
         assert_eq!(errors.squared_errors(), [0.0625; 16 * 9]);
     }
@@ -269,6 +321,19 @@ mod tests {
         let report = errors.report();
         assert_eq!((report.pixels, report.mse.value), (63, 0.0625));
         assert!(report.structure.value.is_nan(), "no square is whole: {report:?}");
+    }
+
+    /// One error in 64 pixels, in one of two renders: 1/2 of it over its root mean square.
+    #[test]
+    fn a_firefly_stands_out() {
+        let reference = image(8, 8, |_, _| 0.5);
+        let mut errors = RenderErrors::new(&reference);
+        errors.push(&image(8, 8, |x, y| if x + y == 0 { 8.5 } else { 0.5 })).unwrap();
+        errors.push(&reference).unwrap();
+        let expected = 4.0 / (64.0f64 / 128.0).sqrt();
+        assert!((errors.report().firefly.value - expected).abs() < 1e-12, "{:?}", errors.report());
+        let none = RenderErrors::new(&reference).report();
+        assert!(none.firefly.value.is_nan());
     }
 
     #[test]

@@ -78,14 +78,16 @@ impl ReferenceFile {
         write_regular(&self.path, &self.encode(image))
     }
 
-    /// Returns the head, four integers, values, spreads, coverage, and a hash of all these.
+    /// Returns the head, four integers, values, spreads, coverage, sampled spreads if there are any,
+    /// and a hash of all these.
     fn encode(&self, image: &Image) -> Vec<u8> {
         let mut bytes = self.head.clone().into_bytes();
         let counts = [image.width, image.height, image.n_points].map(|n| n as u64);
         for count in counts.into_iter().chain([image.rays]) {
             bytes.extend(count.to_le_bytes());
         }
-        for x in image.values.iter().chain(&image.spreads).chain(&image.coverage) {
+        let of_pixels = [&image.values, &image.spreads, &image.coverage, &image.sampled_spreads];
+        for x in of_pixels.into_iter().flatten() {
             bytes.extend(x.to_le_bytes());
         }
         let sum = hash(&bytes);
@@ -104,7 +106,8 @@ impl ReferenceFile {
         let count = |i: usize| usize::try_from(u64::from_le_bytes(counts[i])).ok();
         let (width, height, n_points) = (count(0)?, count(1)?, count(2)?);
         let n_pixels = width.checked_mul(height)?;
-        if n_pixels.checked_mul(24)? != rest.len() {
+        let has_sampled_spreads = n_pixels.checked_mul(32)? == rest.len();
+        if !has_sampled_spreads && n_pixels.checked_mul(24)? != rest.len() {
             return None;
         }
         let numbers = |bytes: &[u8]| -> Vec<f64> {
@@ -115,9 +118,10 @@ impl ReferenceFile {
             height,
             values: numbers(&rest[..8 * n_pixels]),
             spreads: numbers(&rest[8 * n_pixels..16 * n_pixels]),
-            coverage: numbers(&rest[16 * n_pixels..]),
+            coverage: numbers(&rest[16 * n_pixels..24 * n_pixels]),
             n_points,
             rays: u64::from_le_bytes(counts[3]),
+            sampled_spreads: numbers(&rest[24 * n_pixels..]),
         })
     }
 }
@@ -135,6 +139,7 @@ mod tests {
             coverage: vec![1.0, 0.0],
             n_points: 6,
             rays: 6,
+            sampled_spreads: Vec::new(),
         }
     }
 
@@ -145,6 +150,9 @@ mod tests {
         assert_eq!(file.read(), Stored::Missing);
         file.write(&image()).unwrap();
         assert_eq!(file.read(), Stored::Image(image()));
+        let warped = Image { sampled_spreads: vec![0.5, 0.0], ..image() };
+        file.write(&warped).unwrap();
+        assert_eq!(file.read(), Stored::Image(warped));
         let bytes = std::fs::read(file.path()).unwrap();
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();

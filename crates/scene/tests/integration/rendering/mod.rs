@@ -7,4 +7,6 @@ mod exact_values;
 mod modes;
 mod random_errors;
 mod spot;
+mod warped;
+mod warped_lights;
 mod weighted_sets;

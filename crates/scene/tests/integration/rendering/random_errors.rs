@@ -21,6 +21,7 @@ fn image(values: Vec<f64>) -> Image {
         coverage: vec![1.0; SIDE * SIDE],
         n_points: 1 << 40,
         rays: 0,
+        sampled_spreads: Vec::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use sphvar_scene::{Camera, DirectionSets, Estimator, Image, Integral, Quad, Scene, View, render};
+use sphvar_scene::{Camera, Directions, Estimator, Image, Integral, Quad, Scene, View, render};
 
 /// All pixels of a picture see the same point of a floor, up to this times the height above the
 /// floor.
@@ -31,7 +31,7 @@ impl Spot {
         &self,
         integral: &Integral<'_>,
         estimator: Estimator,
-        directions: &DirectionSets,
+        directions: &dyn Directions,
         side: usize,
     ) -> Image {
         let view = View::new(&self.scene, &self.camera, [side, side]).unwrap();
