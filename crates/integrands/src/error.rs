@@ -151,7 +151,7 @@ pub enum Error {
         reason: Box<Self>,
     },
     /// An operator of an expression lacks an operand.
-    #[error("\"{text}\": an operator has no integrand on one side")]
+    #[error("\"{text}\": an operator has no operand on one side")]
     NoOperand {
         /// The expression.
         text: String,

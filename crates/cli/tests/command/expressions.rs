@@ -61,7 +61,7 @@ fn mistakes_name_the_piece() {
         ("cap:degrees=30 @ 181/0", &["[0, 180]", "\"181/0\""]),
         ("cap:degrees=30 @ 1/2/3/4", &["\"1/2/3/4\""]),
         ("cosine + cap:degrees=300", &["cap:degrees=300", "got 300"]),
-        ("cosine +  + cosine", &["an operator has no integrand on one side"]),
+        ("cosine +  + cosine", &["an operator has no operand on one side"]),
         ("cosine * cosin", &["\"cosin\"", "did you mean \"cosine\""]),
         ("cosine * nan", &["a weight must be 0 or between 1e-150 and 1e150"]),
         ("phong:n=-1", &["n must be in [0, 1e6]", "-1"]),

@@ -74,8 +74,7 @@ impl EnvironmentWarpParameters {
         rotation_of_cosine: DQuat,
         files: &dyn IntegrandResolver,
     ) -> Result<Option<Box<dyn Warp>>, Error> {
-        let rotation = rotation * self.rotation_of_pole();
-        let Some(angle) = angle_about_pole(rotation_of_cosine.inverse() * rotation) else {
+        let Some(angle) = self.angle_to(rotation, rotation_of_cosine) else {
             return Ok(None);
         };
         let map = files.environment_density(&self.environment, self.interpolation)?;
@@ -85,6 +84,12 @@ impl EnvironmentWarpParameters {
             true => Box::new(Oriented::new(map, rotation_of_cosine)),
             false => Box::new(map),
         }))
+    }
+
+    /// Returns the angle about the common axis of the map and of a cosine, each after a rotation;
+    /// `None` if they have different axes.
+    pub(super) fn angle_to(&self, rotation: DQuat, rotation_of_cosine: DQuat) -> Option<f64> {
+        angle_about_pole(rotation_of_cosine.inverse() * rotation * self.rotation_of_pole())
     }
 
     fn rotation_of_pole(&self) -> DQuat {

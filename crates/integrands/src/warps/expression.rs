@@ -113,6 +113,11 @@ impl WarpExpression {
             .collect()
     }
 
+    /// Returns one warp, a factor or a map times the cosine.
+    pub(super) fn product(factors: Vec<WarpFactor>) -> Self {
+        Self { sum: Expression { summands: vec![Summand { weight: 1.0, factors }] } }
+    }
+
     /// Returns the sum after checks of all shares and products.
     fn new(sum: Expression<WarpFactor>) -> Result<Self, Error> {
         let wrong = |reason| Error::Shares { text: sum.to_string(), reason };
@@ -171,7 +176,7 @@ fn product_text(factors: &[WarpFactor]) -> String {
 
 impl WarpFactor {
     /// Returns the product of all rotations.
-    fn rotation(&self) -> DQuat {
+    pub(super) fn rotation(&self) -> DQuat {
         let rotations = self.rotations.iter().map(|angles| angles.map(f64::to_radians));
         rotations.fold(DQuat::IDENTITY, |before, [theta, phi, psi]| {
             (rotation_to_angles(theta, phi, psi) * before).normalize()
@@ -215,7 +220,7 @@ impl FromStr for WarpExpression {
 /// The shares are all or none, for equal ones.
 impl fmt::Display for WarpExpression {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let has_shares = self.sum.summands.iter().any(|summand| summand.weight != 1.0);
+        let has_shares = self.sum.summands.iter().any(|s| s.weight.to_bits() != 1f64.to_bits());
         for (i, Summand { weight, factors }) in self.sum.summands.iter().enumerate() {
             f.write_str(if i > 0 { " + " } else { "" })?;
             if has_shares {

@@ -83,7 +83,7 @@ fn errors_state_the_valid_values() {
         ("cosin", "unknown integrand \"cosin\" (did you mean \"cosine\"?); valid: ylm, cap, "),
         ("env:a.exr,up=w", "unknown up of env \"w\"; valid: z, y, x, -z, -y, -x"),
         ("env", "env: the file is missing: env:FILE"),
-        ("cosine +  + cosine", "an operator has no integrand on one side"),
+        ("cosine +  + cosine", "an operator has no operand on one side"),
         ("cosine @ 181/0", "THETA in [0, 180], got \"181/0\""),
     ] {
         let error = text.parse::<Expression>().unwrap_err().to_string();

@@ -15,3 +15,4 @@ mod products;
 mod projections;
 mod random_fields;
 mod square;
+mod warps;

@@ -113,7 +113,7 @@ fn sums_and_products_are_functions() {
 fn wrong_expressions_are_errors() {
     for (text, message) in [
         ("disk:radius=0.2 +", "disk:radius=0.2 +"),
-        ("disk:radius=0.2 * ", "an operator has no integrand"),
+        ("disk:radius=0.2 * ", "an operator has no operand"),
         ("zone-plate @ 30/0", "zone-plate @ 30/0"),
         ("2 * cap:degrees=60", "unknown integrand \"cap\""),
     ] {
