@@ -18,10 +18,11 @@ use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
     Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters,
-    ImageParameters, Integrand, IntegrandResolver, SquareExpression, SquareImage, Term,
-    ValuesParameters,
+    ImageParameters, Integrand, IntegrandResolver, Interpolation, SquareExpression, SquareImage,
+    Term, ValuesParameters,
 };
 use sphvar_samplers::Domain;
+use sphvar_warps::DensityMap;
 
 use self::environment::Environment;
 pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
@@ -163,6 +164,8 @@ struct IntegrandFiles {
     remarks: RefCell<Vec<String>>,
     /// The contents of pictures, which are read once for all channels.
     pictures: RefCell<BTreeMap<PathBuf, Rc<[u8]>>>,
+    /// The densities of pictures, whose clones share texels.
+    densities: RefCell<Vec<(EnvironmentParameters, Interpolation, DensityMap)>>,
 }
 
 impl IntegrandFiles {
@@ -199,6 +202,22 @@ impl IntegrandResolver for IntegrandFiles {
         let read = self.picture(&wanted.file).and_then(decode).map_err(ResolveError::new)?;
         self.remarks.borrow_mut().extend(read.remarks);
         Ok(read.map)
+    }
+
+    fn environment_density(
+        &self,
+        wanted: &EnvironmentParameters,
+        interpolation: Interpolation,
+    ) -> Result<DensityMap, Error> {
+        let known = |(of, between, _): &&(EnvironmentParameters, Interpolation, DensityMap)| {
+            of == wanted && *between == interpolation
+        };
+        if let Some((.., density)) = self.densities.borrow().iter().find(known) {
+            return Ok(density.clone());
+        }
+        let density = wanted.density(self.environment(wanted)?, interpolation)?;
+        self.densities.borrow_mut().push((wanted.clone(), interpolation, density.clone()));
+        Ok(density)
     }
 
     fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {

@@ -39,9 +39,7 @@ pub trait IntegrandResolver {
         wanted: &EnvironmentParameters,
         interpolation: Interpolation,
     ) -> Result<DensityMap, Error> {
-        let map = self.environment(wanted)?;
-        let (width, layout) = (map.width(), wanted.picture.layout());
-        map.into_density(interpolation).map_err(|error| layout.locate(width, error))
+        wanted.density(self.environment(wanted)?, interpolation)
     }
 
     /// Returns the HEALPix map of a file.

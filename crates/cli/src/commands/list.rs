@@ -1,4 +1,4 @@
-//! `sphvar list`: samplers, integrands and formats, from their registries.
+//! `sphvar list`: samplers, integrands, warps and formats, from their registries.
 
 mod entry;
 mod page;
@@ -9,7 +9,7 @@ use serde::Serialize;
 use sphvar_integrands::{SquareTerm, Term};
 use sphvar_samplers::{Pattern, SquarePattern};
 
-use self::entry::{FormatEntry, IntegrandEntry, SamplerEntry};
+use self::entry::{FormatEntry, FunctionEntry, SamplerEntry};
 use self::page::Page;
 use crate::error::CliError;
 use crate::files::formats;
@@ -23,6 +23,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar list samplers poisson-disk step
   sphvar list samplers -n 500        (with the largest degree without power)
   sphvar list samplers --square      (patterns of the unit square)
+  sphvar list warps env
   sphvar list integrands --json";
 
 #[derive(Debug, Args)]
@@ -46,11 +47,13 @@ pub(crate) enum Kind {
     Samplers,
     /// Functions of direction
     Integrands,
+    /// Densities of importance sampling
+    Warps,
     /// File formats
     Formats,
 }
 
-/// Samplers, integrands and file formats: `list --json`.
+/// Samplers, integrands, warps and file formats: `list --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ListBody {
     /// Patterns of directions.
@@ -58,13 +61,16 @@ pub(crate) struct ListBody {
     samplers: Option<Vec<SamplerEntry>>,
     /// Functions of direction.
     #[serde(skip_serializing_if = "Option::is_none")]
-    integrands: Option<Vec<IntegrandEntry>>,
+    integrands: Option<Vec<FunctionEntry>>,
     /// Patterns of the unit square.
     #[serde(skip_serializing_if = "Option::is_none")]
     square_samplers: Option<Vec<SamplerEntry>>,
     /// Functions on the unit square.
     #[serde(skip_serializing_if = "Option::is_none")]
-    square_integrands: Option<Vec<IntegrandEntry>>,
+    square_integrands: Option<Vec<FunctionEntry>>,
+    /// Maps from the unit square to directions, by which patterns of the square sample densities.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warps: Option<Vec<FunctionEntry>>,
     /// Formats of files.
     #[serde(skip_serializing_if = "Option::is_none")]
     formats: Option<Vec<FormatEntry>>,
@@ -98,7 +104,7 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
         .transpose()?;
     let integrands = of_sphere(Kind::Integrands)
-        .then(IntegrandEntry::all)
+        .then(FunctionEntry::integrands)
         .map(|all| chosen(all, "integrand", &args.names, |entry| entry.name))
         .transpose()?;
     let square_samplers = of_square(Kind::Samplers)
@@ -106,15 +112,20 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
         .transpose()?;
     let square_integrands = of_square(Kind::Integrands)
-        .then(IntegrandEntry::all_of_square)
+        .then(FunctionEntry::square_integrands)
         .map(|all| chosen(all, "integrand", &args.names, |entry| entry.name))
+        .transpose()?;
+    let warps = is_listed(Kind::Warps)
+        .then(FunctionEntry::warps)
+        .map(|all| chosen(all, "warp", &args.names, |entry| entry.name))
         .transpose()?;
     let formats = is_listed(Kind::Formats)
         .then(|| formats().into_iter().map(FormatEntry).collect())
         .map(|all| chosen(all, "format", &args.names, |entry: &FormatEntry| entry.0.name))
         .transpose()?;
     if global.json {
-        let body = ListBody { samplers, integrands, square_samplers, square_integrands, formats };
+        let body =
+            ListBody { samplers, integrands, square_samplers, square_integrands, warps, formats };
         return Document::new(&body, &Provenance::new(global.seed)).print();
     }
     let mut page = Page::default();
@@ -127,9 +138,9 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
             }
         };
         let of_samplers = |entry: &'_ SamplerEntry| (entry.name, entry.summary);
-        let of_integrands = |entry: &'_ IntegrandEntry| (entry.name, entry.summary);
+        let of_functions = |entry: &'_ FunctionEntry| (entry.name, entry.summary);
         section("Samplers", &mut samplers.iter().flatten().map(of_samplers));
-        section("Integrands", &mut integrands.iter().flatten().map(of_integrands));
+        section("Integrands", &mut integrands.iter().flatten().map(of_functions));
         let (samplers, integrands) = (square_samplers.iter(), square_integrands.iter());
         section(
             "Samplers of the unit square, with --square",
@@ -137,18 +148,23 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         );
         section(
             "Integrands on the unit square, with --square",
-            &mut integrands.flatten().map(of_integrands),
+            &mut integrands.flatten().map(of_functions),
+        );
+        section(
+            "Warps, densities for samplers of the unit square: sobol:warp=NAME",
+            &mut warps.iter().flatten().map(of_functions),
         );
         page.heading("File formats");
         formats.iter().flatten().for_each(|entry| page.line(entry.0.name, &entry.line()));
         page.paragraph(
-            "sphvar list samplers|integrands|formats [NAME...] [--square] shows the details.",
+            "sphvar list samplers|integrands|warps|formats [NAME...] [--square] shows the details.",
         );
     } else {
         samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
         integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
         square_samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
         square_integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
+        warps.iter().flatten().for_each(|entry| entry.show(&mut page));
         formats.iter().flatten().for_each(|entry| entry.show(&mut page));
     }
     print(page.text())

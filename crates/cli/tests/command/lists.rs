@@ -42,7 +42,7 @@ fn samplers_show_rates_and_every_parameter() {
 #[test]
 fn every_list_fits_a_terminal() {
     let place = Workplace::new();
-    for arguments in ["list", "list samplers", "list integrands", "list formats"] {
+    for arguments in ["list", "list samplers", "list integrands", "list warps", "list formats"] {
         let text = place.run(arguments).ok().stdout;
         let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
         assert!(longest.chars().count() <= 80, "{arguments}: {longest}");
@@ -104,6 +104,28 @@ fn entries_or_default(parameter: &Value) -> Vec<String> {
         (_, Value::Number(number)) => vec![number.to_string()],
         _ => Vec::new(),
     }
+}
+
+#[test]
+fn warps_show_their_parameters() {
+    let place = Workplace::new();
+    let overview = place.run("list").ok().stdout;
+    assert!(overview.contains("Warps") && overview.contains("\n  octahedral"), "{overview}");
+    let text = place.run("list warps env").ok().stdout;
+    let words: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "interpolation=bilinear between texel centres, as the integrand, or constant",
+        "floor=0 share of the uniform density mixed in",
+        "in [0, 1)",
+        "channel luminance, r, g, b or a channel's name in the file; default luminance",
+    ] {
+        assert!(words.contains(part), "no {part:?} in:\n{text}");
+    }
+    assert!(!text.contains("cylinder"), "{text}");
+    let document = place.run("list warps --json").json();
+    assert_eq!(named(&document, "warps", "vmf")["example"], "vmf:kappa=10");
+    assert!(document.get("formats").is_none());
+    place.run("list warps cosin").fails(2, &["unknown warp \"cosin\"", "\"cosine\""]);
 }
 
 #[test]

@@ -1,9 +1,11 @@
 use glam::{DQuat, DVec3};
 use sphvar_grammar::{Declaration, Parametric, Range};
-use sphvar_warps::{Oriented, Warp};
+use sphvar_warps::{DensityMap, Oriented, Warp};
 
 use super::WarpDefinition;
-use crate::{Domain, EnvironmentParameters, Error, IntegrandResolver, Interpolation};
+use crate::{
+    Domain, EnvironmentMap, EnvironmentParameters, Error, IntegrandResolver, Interpolation,
+};
 
 /// Parameters of the density of an environment map in a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,23 @@ impl Parametric for EnvironmentWarpParameters {
         let summary =
             "share of the uniform density mixed in, where the map is 0 and the integrand is not";
         d.number("floor", Range::right_open(0.0, 1.0), summary, floor);
+    }
+}
+
+impl EnvironmentParameters {
+    /// Returns the density of the map with these parameters, for implementations of
+    /// [`IntegrandResolver`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`EnvironmentMap::into_density`]; [`Error::NegativeTexel`] counts as the picture does.
+    pub fn density(
+        &self,
+        map: EnvironmentMap,
+        interpolation: Interpolation,
+    ) -> Result<DensityMap, Error> {
+        let (width, layout) = (map.width(), self.picture.layout());
+        map.into_density(interpolation).map_err(|error| layout.locate(width, error))
     }
 }
 

@@ -49,14 +49,14 @@ impl WarpExpression {
 
 /// Returns the uniform maps of a domain.
 fn uniform(domain: Domain) -> Vec<WarpExpression> {
-    let mut maps = vec![of_term(WarpTerm::Cylinder)];
+    let mut maps = vec![unrotated(WarpTerm::Cylinder)];
     if domain == Domain::Sphere {
-        maps.push(of_term(WarpTerm::Octahedral));
+        maps.push(unrotated(WarpTerm::Octahedral));
     }
     maps
 }
 
-fn of_term(term: WarpTerm) -> WarpExpression {
+fn unrotated(term: WarpTerm) -> WarpExpression {
     WarpExpression::product(vec![Factor { term, rotations: Vec::new() }])
 }
 

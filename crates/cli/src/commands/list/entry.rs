@@ -1,9 +1,9 @@
-//! The listed properties of a sampler, an integrand and a format.
+//! The listed properties of a sampler, an integrand, a warp and a format.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
-use sphvar_integrands::{SquareTerm, Term};
+use sphvar_integrands::{SquareTerm, Term, WarpTerm};
 use sphvar_samplers::{
     CostOrder, Domain, Pattern, PatternFacts, Rate, SetDistribution, SquareDistribution,
     SquarePattern,
@@ -92,7 +92,7 @@ struct LastEmptyDegree {
     l: usize,
 }
 
-/// A parameter of a sampler or integrand.
+/// A parameter of a sampler, integrand or warp.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ParameterEntry {
     /// The key.
@@ -119,14 +119,14 @@ pub(crate) struct ParameterEntry {
     default_depends: Option<&'static str>,
 }
 
-/// An integrand.
+/// An integrand or a warp.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct IntegrandEntry {
+pub(crate) struct FunctionEntry {
     /// The name, as every command accepts it.
     pub(super) name: &'static str,
     /// One sentence.
     pub(super) summary: &'static str,
-    /// An example, or the form where the integrand needs a file.
+    /// An example, or the form where a file is required.
     example: String,
     /// The parameters, in the order in which they are printed.
     parameters: Vec<ParameterEntry>,
@@ -335,26 +335,33 @@ impl ParameterEntry {
     }
 }
 
-impl IntegrandEntry {
-    pub(super) fn all() -> Vec<Self> {
-        let entry = |term: &Term| Self {
-            name: term.name(),
-            summary: term.summary(),
-            example: term.to_string(),
-            parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
-        };
-        Term::all().iter().map(entry).collect()
+/// Returns an entry for every function of a registry.
+macro_rules! entries {
+    ($Term:ident) => {
+        $Term::all()
+            .iter()
+            .map(|term| FunctionEntry {
+                name: term.name(),
+                summary: term.summary(),
+                example: term.to_string(),
+                parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
+            })
+            .collect()
+    };
+}
+
+impl FunctionEntry {
+    pub(super) fn integrands() -> Vec<Self> {
+        entries!(Term)
     }
 
     /// Returns the integrands on the unit square.
-    pub(super) fn all_of_square() -> Vec<Self> {
-        let entry = |term: &SquareTerm| Self {
-            name: term.name(),
-            summary: term.summary(),
-            example: term.to_string(),
-            parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
-        };
-        SquareTerm::all().iter().map(entry).collect()
+    pub(super) fn square_integrands() -> Vec<Self> {
+        entries!(SquareTerm)
+    }
+
+    pub(super) fn warps() -> Vec<Self> {
+        entries!(WarpTerm)
     }
 
     pub(super) fn show(&self, page: &mut Page) {
