@@ -7,6 +7,7 @@ mod integrals;
 mod rgb;
 mod square;
 mod values;
+mod warps;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -28,6 +29,7 @@ use self::environment::Environment;
 pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
 pub(crate) use self::rgb::parse_integrands;
 pub(crate) use self::square::{NamedSquareIntegrand, SquareForms, parse_square_integrand};
+pub(crate) use self::warps::strategies_of;
 use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;

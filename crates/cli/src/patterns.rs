@@ -1,26 +1,24 @@
 //! The samplers of the command line.
 
+mod direction_sampler;
+mod pattern_files;
 mod predicted;
 mod sampler_name;
 
 use std::path::Path;
 
-use glam::DVec3;
-use sphvar_grammar::{ResolveError, quote};
-use sphvar_samplers::{
-    Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, SamplerFamily, Space,
-    Square, SquarePattern, SquarePointFileParameters,
-};
+use sphvar_grammar::quote;
+use sphvar_samplers::{Domain, Error, Pattern, SamplerFamily, Space, Square, SquarePattern};
+use sphvar_variance::WarpedPattern;
 
 use crate::error::CliError;
-use crate::files::{
-    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_spectrum,
-};
 use crate::flags::missing_count;
 use crate::memory::check_points;
 use crate::report::say;
 use crate::spec::Spec;
 
+pub(crate) use self::direction_sampler::{DirectionSampler, parse_sampler, parse_samplers};
+pub(crate) use self::pattern_files::PatternFiles;
 pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effective};
 pub(crate) use self::sampler_name::SamplerName;
 
@@ -30,6 +28,9 @@ const ALL: &str = "all";
 /// The patterns of the sphere, or those of the unit square.
 pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     type Space: Space;
+
+    /// What the error of a text with `warp=` says, where a pattern of this kind is required.
+    const WARPS_REJECTED: &str;
 
     /// Returns every built-in pattern.
     fn all() -> Vec<Self>;
@@ -46,6 +47,9 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     /// Returns the number of points of a single file.
     fn own_count(&self) -> Option<usize>;
 
+    /// Returns whether the points are the user's own.
+    fn is_file(&self) -> bool;
+
     /// Returns whether a pattern has the name.
     fn is_name(name: &str) -> bool;
 
@@ -55,6 +59,10 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
 
 impl PatternKind for Pattern {
     type Space = Domain;
+
+    const WARPS_REJECTED: &str = "warp= samples directions of a density, which are not homogeneous and have no angular \
+        spectrum; variance, compare, choose, sample and render support it. --square is for the pattern of the unit \
+        square itself, without warp=";
 
     fn all() -> Vec<Self> {
         Self::ALL.to_vec()
@@ -76,6 +84,10 @@ impl PatternKind for Pattern {
 
     fn own_count(&self) -> Option<usize> {
         self.own_count()
+    }
+
+    fn is_file(&self) -> bool {
+        matches!(self, Self::PointFile(_))
     }
 
     fn is_name(name: &str) -> bool {
@@ -95,6 +107,9 @@ impl PatternKind for Pattern {
 impl PatternKind for SquarePattern {
     type Space = Square;
 
+    const WARPS_REJECTED: &str = "with --square, patterns are those of the unit square itself: omit warp=, or omit --square \
+        for directions of its density";
+
     fn all() -> Vec<Self> {
         Self::ALL.to_vec()
     }
@@ -115,6 +130,10 @@ impl PatternKind for SquarePattern {
 
     fn own_count(&self) -> Option<usize> {
         self.own_count()
+    }
+
+    fn is_file(&self) -> bool {
+        matches!(self, Self::PointFile(_))
     }
 
     fn is_name(name: &str) -> bool {
@@ -141,13 +160,21 @@ pub(crate) fn parse_patterns<P: PatternKind>(text: &str, quiet: bool) -> Result<
             patterns.push(parse_pattern(&spec.text, quiet)?);
         }
     }
-    distinguish(&mut patterns);
+    with_distinct_labels(&mut patterns, SamplerName::of, P::use_long_label);
     Ok(patterns)
 }
 
 /// Returns the pattern of one name. Prints remarks on files unless `quiet`.
 pub(crate) fn parse_pattern<P: PatternKind>(text: &str, quiet: bool) -> Result<P, CliError> {
-    P::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
+    if WarpedPattern::is_warped(text) {
+        return Err(CliError::Usage(format!("{text}: {}", P::WARPS_REJECTED)));
+    }
+    P::parse(text, &PatternFiles { quiet }).map_err(|error| error_of_pattern::<P>(text, error))
+}
+
+/// Returns the error of a text that names no pattern of this kind.
+fn error_of_pattern<P: PatternKind>(text: &str, error: Error) -> CliError {
+    match error {
         Error::File(source) => CliError::of_resolver(&source),
         Error::Given { .. } => CliError::failed(error),
         other if Path::new(text).is_file() => {
@@ -158,122 +185,20 @@ pub(crate) fn parse_pattern<P: PatternKind>(text: &str, quiet: bool) -> Result<P
             let of_other_kind = P::other_kind(name).filter(|_| !P::is_name(name));
             of_other_kind.map_or_else(|| CliError::usage(other), CliError::Usage)
         }
-    })
+    }
 }
 
 /// Gives files of the same name labels with their paths.
-fn distinguish<P: PatternKind>(patterns: &mut [P]) {
-    let named: Vec<(String, String)> =
-        patterns.iter().map(|pattern| (pattern.label(), pattern.to_string())).collect();
-    for (pattern, (label, text)) in patterns.iter_mut().zip(&named) {
-        if named.iter().any(|other| other.0 == *label && other.1 != *text) {
-            pattern.use_long_label();
+fn with_distinct_labels<T>(
+    samplers: &mut [T],
+    name: impl Fn(&T) -> SamplerName,
+    use_long_label: impl Fn(&mut T),
+) {
+    let names: Vec<SamplerName> = samplers.iter().map(name).collect();
+    for (sampler, name) in samplers.iter_mut().zip(&names) {
+        if names.iter().any(|other| other.label == name.label && other.text != name.text) {
+            use_long_label(sampler);
         }
-    }
-}
-
-/// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
-/// it reads `--points`.
-pub(crate) struct PatternFiles {
-    quiet: bool,
-}
-
-impl FileResolver for PatternFiles {
-    /// Returns the powers of a file of degrees and powers, which starts at degree 0 or 1 without
-    /// gaps.
-    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
-        let rows = read_spectrum(file).map_err(|error| ResolveError::new(CliError::from(error)))?;
-        let first = rows.first().map_or(0, |row| row.l);
-        // Degree 0 is ignored.
-        Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.value)).collect())
-    }
-
-    fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
-        self.read(source, PointFile::<DVec3>::check).map_err(ResolveError::new)
-    }
-
-    fn square_points(
-        &self,
-        source: &SquarePointFileParameters,
-    ) -> Result<Vec<PointFile<[f64; 2]>>, ResolveError> {
-        self.read(source, PointFile::<[f64; 2]>::check).map_err(ResolveError::new)
-    }
-}
-
-impl PatternFiles {
-    fn read<S: Space<Point: FilePoint>>(
-        &self,
-        source: &PointFileParameters<S>,
-        check: fn(&PointFile<S::Point>) -> Result<(), Error>,
-    ) -> Result<Vec<PointFile<S::Point>>, CliError> {
-        let wrong = |key: &str, reason: String| {
-            CliError::Usage(format!("file:{}: {key}: {reason}", source.file().display()))
-        };
-        let columns = source.columns.as_deref().map(str::parse).transpose();
-        let hdu = source.hdu.as_deref().map(str::parse).transpose();
-        let options = ReadOptions {
-            columns: columns.map_err(|reason| wrong("columns", reason))?,
-            hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
-            skip_invalid: source.skip_invalid,
-            normalize: source.normalize,
-            spelling: OptionSpelling::Keys,
-            ..ReadOptions::default()
-        };
-        let (mut read, mut errors) = (Vec::new(), Vec::new());
-        for (stated_count, path) in point_files(source.file())? {
-            let file = self.read_one(&path, stated_count, &options);
-            if stated_count.is_none() {
-                return Ok(vec![file?]);
-            }
-            // The files of a template are used without each other.
-            let checked = file.and_then(|file| match check(&file) {
-                Ok(()) => Ok(file),
-                Err(error) => Err(CliError::failed(error)),
-            });
-            match checked {
-                Ok(file) => read.push(file),
-                Err(error) => errors.push(error),
-            }
-        }
-        if read.is_empty() && !errors.is_empty() {
-            return Err(errors.swap_remove(0));
-        }
-        for error in errors {
-            say(self.quiet, &format!("warning: {error}; the file is not used"));
-        }
-        Ok(read)
-    }
-
-    fn read_one<P: FilePoint>(
-        &self,
-        path: &Path,
-        stated_count: Option<usize>,
-        options: &ReadOptions,
-    ) -> Result<PointFile<P>, CliError> {
-        let file = read_points(path, options)?;
-        let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
-        warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
-        let name = path.display().to_string();
-        if file.sets.len() > 1 {
-            let count = file.sets.len();
-            say(
-                self.quiet,
-                &format!(
-                    "{name}: an ensemble of {count} sets; predictions are exact for these, not for \
-                     the ensemble that they come from"
-                ),
-            );
-        }
-        let is_weighted = file.sets.iter().any(|set| !set.weights.is_empty());
-        // Only weights are checked set by set.
-        let starts = if is_weighted { &file.starts[..] } else { &[] };
-        Ok(PointFile {
-            starts: starts.iter().map(|place| format!("{name}{place}")).collect(),
-            name,
-            stated_count,
-            sets: file.sets,
-            first_below: file.first_below,
-        })
     }
 }
 

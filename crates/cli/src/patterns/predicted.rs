@@ -20,9 +20,6 @@ pub(crate) trait PredictedPattern:
     /// Its samplers.
     type Sampler: ?Sized;
 
-    /// Returns whether the points are the user's own.
-    fn is_file(&self) -> bool;
-
     /// Returns whether a set has weights, of which the effective number of points is known.
     fn has_weights(sampler: SamplerRef<'_, Self>, n_effective: f64) -> bool;
 }
@@ -35,10 +32,6 @@ pub(crate) type BandsOf<P> = <P as PredictedPattern>::Bands;
 impl PredictedPattern for Pattern {
     type Bands = Domain;
     type Sampler = dyn Sampler;
-
-    fn is_file(&self) -> bool {
-        matches!(self, Self::PointFile(_))
-    }
 
     fn has_weights(sampler: &dyn Sampler, n_effective: f64) -> bool {
         match sampler.distribution() {
@@ -53,10 +46,6 @@ impl PredictedPattern for Pattern {
 impl PredictedPattern for SquarePattern {
     type Bands = Frequencies;
     type Sampler = dyn SquareSampler;
-
-    fn is_file(&self) -> bool {
-        matches!(self, Self::PointFile(_))
-    }
 
     fn has_weights(sampler: &dyn SquareSampler, _: f64) -> bool {
         match sampler.distribution() {

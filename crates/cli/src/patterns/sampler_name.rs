@@ -1,6 +1,6 @@
 //! The names of samplers in results.
 
-use super::PredictedPattern;
+use super::PatternKind;
 
 /// How results name a sampler.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub(crate) struct SamplerName {
 }
 
 impl SamplerName {
-    pub(crate) fn of<P: PredictedPattern>(pattern: &P) -> Self {
+    pub(crate) fn of<P: PatternKind>(pattern: &P) -> Self {
         Self { text: pattern.to_string(), label: pattern.label(), is_file: pattern.is_file() }
     }
 }

@@ -1,0 +1,29 @@
+//! The densities of warps, with the files that they name.
+
+use sphvar_integrands::{Error, Strategy, WarpExpression};
+use sphvar_samplers::Domain;
+
+use super::IntegrandFiles;
+use crate::error::CliError;
+use crate::report::say;
+
+/// Returns the densities of warps over a domain. Reads every picture once and prints remarks on the
+/// files, unless `quiet`.
+pub(crate) fn strategies_of(
+    warps: &[&WarpExpression],
+    domain: Domain,
+    quiet: bool,
+) -> Result<Vec<Vec<Strategy>>, CliError> {
+    let files = IntegrandFiles::default();
+    let strategies = |warp: &&WarpExpression| {
+        warp.strategies(domain, &files).map_err(|error| match error {
+            Error::File(source) => CliError::of_resolver(&source),
+            other => CliError::Usage(format!("warp={warp}: {other}")),
+        })
+    };
+    let all = warps.iter().map(strategies).collect();
+    let mut remarks = files.remarks.take();
+    remarks.dedup();
+    remarks.iter().for_each(|remark| say(quiet, &format!("warp: {remark}")));
+    all
+}

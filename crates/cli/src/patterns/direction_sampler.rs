@@ -1,0 +1,94 @@
+//! Samplers of directions: uniform patterns, and patterns of the square that are mapped to a
+//! density.
+
+use std::fmt;
+
+use sphvar_samplers::{Pattern, SquarePattern};
+use sphvar_variance::{Error, WarpedPattern};
+
+use super::{
+    ALL, PatternFiles, PatternKind, SamplerName, error_of_pattern, parse_pattern,
+    with_distinct_labels,
+};
+use crate::error::CliError;
+use crate::spec::Spec;
+
+/// A sampler of directions by which integrals are estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum DirectionSampler {
+    /// A pattern of uniform directions, randomly rotated.
+    Uniform(Pattern),
+    /// A pattern of the square mapped to one or several densities.
+    Warped(WarpedPattern),
+}
+
+impl DirectionSampler {
+    /// Returns its names in results.
+    pub(crate) fn name(&self) -> SamplerName {
+        match self {
+            Self::Uniform(pattern) => SamplerName::of(pattern),
+            Self::Warped(warped) => SamplerName {
+                text: warped.to_string(),
+                label: warped.label(),
+                is_file: warped.pattern.is_file(),
+            },
+        }
+    }
+
+    fn use_long_label(&mut self) {
+        match self {
+            Self::Uniform(pattern) => pattern.use_long_label(),
+            Self::Warped(warped) => warped.pattern.use_long_label(),
+        }
+    }
+}
+
+impl fmt::Display for DirectionSampler {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Uniform(pattern) => pattern.fmt(f),
+            Self::Warped(warped) => warped.fmt(f),
+        }
+    }
+}
+
+/// Returns the samplers of a list such as `jittered,sobol:warp=cosine`; `all` are the patterns of
+/// the sphere. Prints remarks on files of points unless `quiet`.
+pub(crate) fn parse_samplers(text: &str, quiet: bool) -> Result<Vec<DirectionSampler>, CliError> {
+    let mut samplers = Vec::new();
+    for spec in Spec::parse_list(text)? {
+        if spec.text == ALL {
+            samplers.extend(Pattern::all().into_iter().map(DirectionSampler::Uniform));
+        } else {
+            samplers.push(parse_sampler(&spec.text, quiet)?);
+        }
+    }
+    with_distinct_labels(&mut samplers, DirectionSampler::name, DirectionSampler::use_long_label);
+    Ok(samplers)
+}
+
+/// Returns the sampler of one name. Prints remarks on files of points unless `quiet`.
+pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler, CliError> {
+    if WarpedPattern::is_warped(text) {
+        parse_warped(text, quiet).map(DirectionSampler::Warped)
+    } else {
+        parse_pattern(text, quiet).map(DirectionSampler::Uniform)
+    }
+}
+
+fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
+    let name = text.split(':').next().unwrap_or_default();
+    if Pattern::is_name(name) && !SquarePattern::is_name(name) {
+        let known: Vec<&str> = SquarePattern::known().map(|pattern| pattern.name()).collect();
+        return Err(CliError::Usage(format!(
+            "{name} is a pattern of the sphere; warp= maps those of the unit square: {}",
+            known.join(", ")
+        )));
+    }
+    WarpedPattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
+        Error::Spectrum(sphvar_spectrum::Error::Sampler(error)) => {
+            error_of_pattern::<SquarePattern>(text, error)
+        }
+        error => CliError::Usage(format!("{text}: {error}")),
+    })
+}

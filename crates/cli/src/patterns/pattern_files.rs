@@ -1,0 +1,120 @@
+//! The files that patterns name.
+
+use std::path::Path;
+
+use glam::DVec3;
+use sphvar_grammar::ResolveError;
+use sphvar_samplers::{
+    Error, FileResolver, PointFile, PointFileParameters, Space, SquarePointFileParameters,
+};
+
+use crate::error::CliError;
+use crate::files::{
+    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_spectrum,
+};
+use crate::report::say;
+
+/// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
+/// it reads `--points`.
+pub(crate) struct PatternFiles {
+    pub(super) quiet: bool,
+}
+
+impl FileResolver for PatternFiles {
+    /// Returns the powers of a file of degrees and powers, which starts at degree 0 or 1 without
+    /// gaps.
+    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
+        let rows = read_spectrum(file).map_err(|error| ResolveError::new(CliError::from(error)))?;
+        let first = rows.first().map_or(0, |row| row.l);
+        // Degree 0 is ignored.
+        Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.value)).collect())
+    }
+
+    fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
+        self.read(source, PointFile::<DVec3>::check).map_err(ResolveError::new)
+    }
+
+    fn square_points(
+        &self,
+        source: &SquarePointFileParameters,
+    ) -> Result<Vec<PointFile<[f64; 2]>>, ResolveError> {
+        self.read(source, PointFile::<[f64; 2]>::check).map_err(ResolveError::new)
+    }
+}
+
+impl PatternFiles {
+    fn read<S: Space<Point: FilePoint>>(
+        &self,
+        source: &PointFileParameters<S>,
+        check: fn(&PointFile<S::Point>) -> Result<(), Error>,
+    ) -> Result<Vec<PointFile<S::Point>>, CliError> {
+        let wrong = |key: &str, reason: String| {
+            CliError::Usage(format!("file:{}: {key}: {reason}", source.file().display()))
+        };
+        let columns = source.columns.as_deref().map(str::parse).transpose();
+        let hdu = source.hdu.as_deref().map(str::parse).transpose();
+        let options = ReadOptions {
+            columns: columns.map_err(|reason| wrong("columns", reason))?,
+            hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
+            skip_invalid: source.skip_invalid,
+            normalize: source.normalize,
+            spelling: OptionSpelling::Keys,
+            ..ReadOptions::default()
+        };
+        let (mut read, mut errors) = (Vec::new(), Vec::new());
+        for (stated_count, path) in point_files(source.file())? {
+            let file = self.read_one(&path, stated_count, &options);
+            if stated_count.is_none() {
+                return Ok(vec![file?]);
+            }
+            // The files of a template are used without each other.
+            let checked = file.and_then(|file| match check(&file) {
+                Ok(()) => Ok(file),
+                Err(error) => Err(CliError::failed(error)),
+            });
+            match checked {
+                Ok(file) => read.push(file),
+                Err(error) => errors.push(error),
+            }
+        }
+        if read.is_empty() && !errors.is_empty() {
+            return Err(errors.swap_remove(0));
+        }
+        for error in errors {
+            say(self.quiet, &format!("warning: {error}; the file is not used"));
+        }
+        Ok(read)
+    }
+
+    fn read_one<P: FilePoint>(
+        &self,
+        path: &Path,
+        stated_count: Option<usize>,
+        options: &ReadOptions,
+    ) -> Result<PointFile<P>, CliError> {
+        let file = read_points(path, options)?;
+        let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
+        warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
+        let name = path.display().to_string();
+        if file.sets.len() > 1 {
+            let count = file.sets.len();
+            say(
+                self.quiet,
+                &format!(
+                    "{name}: an ensemble of {count} sets; predictions are exact for these, not for \
+                     the ensemble that they come from"
+                ),
+            );
+        }
+        let is_weighted = file.sets.iter().any(|set| !set.weights.is_empty());
+        // Only weights are checked set by set.
+        let starts = if is_weighted { &file.starts[..] } else { &[] };
+        Ok(PointFile {
+            starts: starts.iter().map(|place| format!("{name}{place}")).collect(),
+            name,
+            stated_count,
+            sets: file.sets,
+            first_below: file.first_below,
+        })
+    }
+}
