@@ -103,11 +103,24 @@ impl SquareEstimate {
         relative: f64,
         [min, max]: [usize; 2],
     ) -> Result<Self, Error> {
+        match Self::of_polynomial(function, MAX_NODES, [min, max])? {
+            (Some(resolved), _) => Ok(resolved),
+            (None, n_evaluations) => Self::of_grids(function, relative, [min, max], n_evaluations),
+        }
+    }
+
+    /// Returns the exact energies of a function that product rules of 16, 32, ... up to `max_nodes`
+    /// Gauss-Legendre nodes along a side resolve, and the number of values taken.
+    pub(super) fn of_polynomial(
+        function: &dyn SquareIntegrand,
+        max_nodes: usize,
+        [min, max]: [usize; 2],
+    ) -> Result<(Option<Self>, usize), Error> {
         let mut n_evaluations = 0;
         let mut coarse: Option<LegendreExpansion> = None;
         let mut len = 16;
         // Most of the values are left for the grids.
-        while len <= MAX_NODES
+        while len <= max_nodes
             && (8 * len * len).max(n_evaluations + len * len + FIRST_VALUES) <= max
         {
             let values =
@@ -129,7 +142,7 @@ impl SquareEstimate {
                 } else if error <= rounding.of_total {
                     relative_error = 0.0;
                 }
-                return Ok(Self {
+                let resolved = Self {
                     integral: (fine.mean(), of_mean),
                     energies: Energies::Polynomial {
                         fine,
@@ -139,12 +152,13 @@ impl SquareEstimate {
                     n_evaluations,
                     relative_error,
                     rounding,
-                });
+                };
+                return Ok((Some(resolved), n_evaluations));
             }
             coarse = Some(fine);
             len *= 2;
         }
-        Self::of_grids(function, relative, [min, max], n_evaluations)
+        Ok((None, n_evaluations))
     }
 
     fn of_grids(
@@ -275,7 +289,7 @@ fn grid_values(function: &dyn SquareIntegrand, n: usize) -> Result<Grid, Error> 
 }
 
 /// Writes the values at many points, all of which must be finite.
-fn values_into(
+pub(super) fn values_into(
     function: &dyn SquareIntegrand,
     points: &[[f64; 2]],
     values: &mut [f64],

@@ -6,6 +6,7 @@
 //! name.
 
 mod adaptive;
+mod cells;
 mod doubling;
 mod energy;
 mod grid;

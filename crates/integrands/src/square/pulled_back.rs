@@ -1,17 +1,22 @@
 //! Functions of direction as functions on the square, divided by the density of a map.
 
 mod strategy;
+mod support;
 
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
-use sphvar_sh::Frequencies;
+use sphvar_sh::{ByAxis, Frequencies};
 use sphvar_warps::Warp;
 
-use super::doubling::SquareEstimate;
-use crate::{Domain, Energy, Error, Integrand, SquareIntegrand, Tolerance};
+use super::cells::{CellSpectrum, Cells, Feature, Variance};
+use super::doubling::{SquareEstimate, values_into};
+use super::energy::zeros;
+use crate::{Circle, Domain, Energy, Error, Integrand, SquareIntegrand, Tolerance};
 use strategy::Ratio;
+use support::UniformDirections;
 
 pub use strategy::{Heuristic, Strategy};
 
@@ -31,15 +36,15 @@ pub use strategy::{Heuristic, Strategy};
 /// ```
 /// use std::sync::Arc;
 ///
-/// use sphvar_integrands::{Cosine, Domain, PulledBack, SquareIntegrand, Tolerance};
+/// use sphvar_integrands::{ClampedCosine, Domain, PulledBack, SquareIntegrand, Tolerance};
 /// use sphvar_warps::{CosineHemisphere, UniformCap};
 ///
 /// // Points of density cos(theta)/pi integrate the cosine without any error.
 /// let (domain, tolerance) = (Domain::Hemisphere, Tolerance::default());
-/// let constant = PulledBack::new(&Cosine, domain, Arc::new(CosineHemisphere), tolerance)?;
+/// let constant = PulledBack::new(&ClampedCosine, domain, Arc::new(CosineHemisphere), tolerance)?;
 /// assert!((constant.eval([0.3, 0.8]) - std::f64::consts::PI).abs() < 1e-14);
 /// // Uniform ones have the variance of 2 pi u, which is pi^2/3.
-/// let uniform = PulledBack::new(&Cosine, domain, Arc::new(UniformCap::HEMISPHERE), tolerance)?;
+/// let uniform = PulledBack::new(&ClampedCosine, domain, Arc::new(UniformCap::HEMISPHERE), tolerance)?;
 /// let energy = uniform.energy(&sphvar_sh::Frequencies::new(8)?)?;
 /// assert!((energy.centred().sum() - std::f64::consts::PI.powi(2) / 3.0).abs() < 1e-12);
 /// # Ok::<(), sphvar_integrands::Error>(())
@@ -47,8 +52,21 @@ pub use strategy::{Heuristic, Strategy};
 #[derive(Clone)]
 pub struct PulledBack<'a> {
     ratio: Ratio<'a>,
-    estimate: SquareEstimate,
+    exact: Option<f64>,
+    estimate: Estimate,
     largest: LargestRatio,
+}
+
+#[derive(Clone)]
+enum Estimate {
+    /// A constant, with the variance of rounding.
+    Constant {
+        mean: f64,
+        variance: f64,
+    },
+    /// Of a polynomial that equals the function to rounding.
+    Resolved(Box<SquareEstimate>),
+    Cells(Box<CellSpectrum>),
 }
 
 /// The largest known ratio `|w f/p|` of an integrand and a density.
@@ -69,6 +87,11 @@ impl fmt::Debug for PulledBack<'_> {
 }
 
 impl<'a> PulledBack<'a> {
+    /// The tolerance of predictions, which takes some 0.1 to 1 s. The misfit of the values is at most
+    /// 1e-4 of the variance where a million values are enough for it.
+    pub const TOLERANCE: Tolerance =
+        Tolerance { relative: 1e-4, min_evaluations: 1 << 14, max_evaluations: 1 << 20 };
+
     /// Returns the integrand pulled back by a map of directions.
     ///
     /// # Errors
@@ -105,9 +128,65 @@ impl<'a> PulledBack<'a> {
 
     fn of_ratio(ratio: Ratio<'a>, tolerance: Tolerance) -> Result<Self, Error> {
         let Tolerance { relative, min_evaluations, max_evaluations } = tolerance.checked()?;
-        let estimate = SquareEstimate::new(&ratio, relative, [min_evaluations, max_evaluations])?;
-        let largest = largest_on_grid(&ratio)?;
-        Ok(Self { ratio, estimate, largest })
+        let exact = exact_integral(&ratio);
+        let directions = UniformDirections::new(&ratio)?;
+        directions.check_support(&ratio)?;
+        let grid = GridValues::new(&ratio)?;
+        if let Some(variance) = grid.variance_of_constant(exact) {
+            let estimate = Estimate::Constant { mean: grid.mean, variance };
+            return Ok(Self { exact, largest: grid.largest(ratio.warp()), ratio, estimate });
+        }
+        let features = features(ratio.integrand);
+        let max_nodes = if features.is_empty() { MAX_NODES } else { 0 };
+        let evaluations = [min_evaluations, max_evaluations];
+        let (resolved, n) = SquareEstimate::of_polynomial(&ratio, max_nodes, evaluations)?;
+        let (estimate, largest) = if let Some(resolved) = resolved {
+            (Estimate::Resolved(Box::new(resolved)), grid.largest(ratio.warp()))
+        } else {
+            let max = max_evaluations.saturating_sub(n);
+            let cells = Cells::new(&ratio, ratio.warp(), &features, relative, max)?;
+            let integral = cells.integral();
+            let variance = known_variance(&ratio).map_or_else(
+                || {
+                    let (second, error) = directions.second_moment(&ratio);
+                    Variance::Estimate(second - integral * integral, error)
+                },
+                Variance::Exact,
+            );
+            let spectrum = CellSpectrum::new(&cells, variance)?;
+            let (largest, at, area) = spectrum.largest;
+            let direction = ratio.warp().map(at);
+            (Estimate::Cells(Box::new(spectrum)), LargestRatio { ratio: largest, direction, area })
+        };
+        let pulled_back = Self { ratio, exact, estimate, largest };
+        pulled_back.check_integral()?;
+        Ok(pulled_back)
+    }
+
+    /// Checks the integral of the values against the exact one.
+    fn check_integral(&self) -> Result<(), Error> {
+        let (Some(exact), (found, error)) = (self.exact, self.own_integral()) else {
+            return Ok(());
+        };
+        let size = self.energy(&Frequencies::new(0)?)?.total().sqrt();
+        let allowed = MAX_ERRORS * error + MISSED * size;
+        if (found - exact).abs() <= allowed {
+            return Ok(());
+        }
+        let reason = format!(
+            "the values give the integral {found:.6e} instead of {exact:.6e}: features narrower than the \
+             distance of the points are missed, or hardly any point reaches a part of the integral"
+        );
+        Err(Error::Evaluation { reason })
+    }
+
+    /// Returns the integral of the values and its error.
+    fn own_integral(&self) -> (f64, f64) {
+        match &self.estimate {
+            Estimate::Constant { mean, .. } => (*mean, 0.0),
+            Estimate::Resolved(estimate) => estimate.integral,
+            Estimate::Cells(spectrum) => spectrum.integral,
+        }
     }
 
     /// Returns the largest `|G|` that is known.
@@ -123,22 +202,96 @@ impl<'a> PulledBack<'a> {
     }
 }
 
-/// Returns the largest value on a grid of 128 x 128 points.
-fn largest_on_grid(ratio: &Ratio<'_>) -> Result<LargestRatio, Error> {
-    let n = 128;
-    let place = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
-    let points: Vec<[f64; 2]> = (0..n * n).map(|k| [place(k % n), place(k / n)]).collect();
-    let mut values = vec![0.0; points.len()];
-    ratio.eval_into(&points, &mut values)?;
-    let (mut largest, mut at) = (0.0, [0.5; 2]);
-    for (point, value) in points.iter().zip(&values) {
-        if value.abs() > largest {
-            (largest, at) = (value.abs(), *point);
-        }
+/// The largest number of nodes along a side of rules that are to resolve the function everywhere.
+const MAX_NODES: usize = 128;
+/// The errors by which the integral of the values may differ from the exact one, and the difference
+/// relative to the root mean square that is never an error.
+const MAX_ERRORS: f64 = 8.0;
+const MISSED: f64 = 1e-3;
+
+/// Returns the small features of an integrand whose edges are known.
+fn features(integrand: &dyn Integrand) -> Vec<Feature> {
+    /// Larger ones are found without their place; functions with more edges are maps.
+    const MAX_SIZE: f64 = 0.2;
+    const MAX_EDGES: usize = 64;
+    let Ok(shape) = integrand.shape() else { return Vec::new() };
+    if shape.edges().len() > MAX_EDGES {
+        return Vec::new();
     }
-    let exceeding = values.iter().filter(|value| value.abs() > 0.5 * largest).count();
-    let area = exceeding as f64 / values.len() as f64;
-    Ok(LargestRatio { ratio: largest, direction: ratio.warp().map(at), area })
+    let circles = shape.edges().iter().copied().chain(shape.support());
+    let feature = |circle: Circle| {
+        let (size, sign) =
+            if circle.angle < FRAC_PI_2 { (circle.angle, 1.0) } else { (PI - circle.angle, -1.0) };
+        (size < MAX_SIZE && size > 0.0).then(|| Feature { dir: sign * circle.axis, size })
+    };
+    circles.filter_map(feature).collect()
+}
+
+/// Returns the integral of the integrand of the only strategy, if it is known.
+fn exact_integral(ratio: &Ratio<'_>) -> Option<f64> {
+    let is_only = ratio.strategies().len() == 1;
+    is_only.then(|| ratio.integrand.exact(ratio.domain)).flatten()
+}
+
+/// Returns the variance of the ratio for a uniform density, if that of the integrand is known.
+fn known_variance(ratio: &Ratio<'_>) -> Option<f64> {
+    let Ratio { integrand, domain, .. } = *ratio;
+    let [Strategy { warp, .. }] = ratio.strategies() else { return None };
+    let is_uniform = (warp.min_density() * domain.area() - 1.0).abs() < 1e-12;
+    let centred = is_uniform.then(|| integrand.centred_square(domain).ok()).flatten()?.sum();
+    // The even extension has twice the integral over the hemisphere.
+    let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
+    Some(domain.area() * centred / copies)
+}
+
+/// The values on a grid.
+struct GridValues {
+    points: Vec<[f64; 2]>,
+    values: Vec<f64>,
+    mean: f64,
+}
+
+impl GridValues {
+    /// The points along a side.
+    const SIDE: u32 = 128;
+    /// The largest relative deviation of values that are equal but for rounding: maps have relative
+    /// errors of up to 1e-13 in single directions.
+    const ROUNDING: f64 = 1e-12;
+
+    fn new(ratio: &Ratio<'_>) -> Result<Self, Error> {
+        // The fractions of a golden section do not follow texels.
+        let place = |i: u32, offset: f64| (f64::from(i) + offset) / f64::from(Self::SIDE);
+        let all = 0..Self::SIDE;
+        let points: Vec<[f64; 2]> = all
+            .clone()
+            .flat_map(|i| all.clone().map(move |j| [place(i, 0.618), place(j, 0.382)]))
+            .collect();
+        let mut values = vec![0.0; points.len()];
+        values_into(ratio, &points, &mut values)?;
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Ok(Self { points, values, mean })
+    }
+
+    /// Returns the variance of the values if they and the integral are equal to rounding.
+    fn variance_of_constant(&self, exact: Option<f64>) -> Option<f64> {
+        let limit = Self::ROUNDING * self.mean.abs();
+        let is_close = |x: f64| (x - self.mean).abs() <= limit;
+        let is_constant = exact.is_none_or(is_close) && self.values.iter().all(|x| is_close(*x));
+        let squares = self.values.iter().map(|x| (x - self.mean).powi(2));
+        is_constant.then(|| squares.sum::<f64>() / self.values.len() as f64)
+    }
+
+    fn largest(&self, warp: &dyn Warp) -> LargestRatio {
+        let (mut largest, mut at) = (0.0, [0.5; 2]);
+        for (point, value) in self.points.iter().zip(&self.values) {
+            if value.abs() > largest {
+                (largest, at) = (value.abs(), *point);
+            }
+        }
+        let exceeding = self.values.iter().filter(|value| value.abs() > 0.5 * largest).count();
+        let area = exceeding as f64 / self.values.len() as f64;
+        LargestRatio { ratio: largest, direction: warp.map(at), area }
+    }
 }
 
 impl SquareIntegrand for PulledBack<'_> {
@@ -152,24 +305,41 @@ impl SquareIntegrand for PulledBack<'_> {
 
     /// Returns the integral of f for one strategy.
     fn exact(&self) -> Option<f64> {
-        let Ratio { integrand, domain, .. } = self.ratio;
-        if self.ratio.strategies().len() == 1
-            && let Some(exact) = integrand.exact(domain)
-        {
-            return Some(exact);
+        if self.exact.is_some() {
+            return self.exact;
         }
-        self.estimate.is_exact().then_some(self.estimate.integral.0)
+        match &self.estimate {
+            Estimate::Resolved(estimate) => estimate.is_exact().then_some(estimate.integral.0),
+            Estimate::Constant { .. } | Estimate::Cells(_) => None,
+        }
     }
 
     fn integral_estimate(&self) -> Option<(f64, f64)> {
-        self.exact().map(|exact| (exact, 0.0)).or(Some(self.estimate.integral))
+        self.exact().map(|exact| (exact, 0.0)).or(Some(self.own_integral()))
     }
 
     fn energy(&self, frequencies: &Frequencies) -> Result<Energy<Frequencies>, Error> {
-        self.estimate.energy(frequencies)
+        match &self.estimate {
+            Estimate::Constant { mean, variance } => {
+                let energy = |off: f64| -> Result<Energy<Frequencies>, Error> {
+                    let mut per_band = zeros(frequencies.len())?;
+                    per_band[0] = mean * mean;
+                    let centred = ByAxis { off, ..ByAxis::default() };
+                    Ok(Energy::new(frequencies.clone(), per_band, centred))
+                };
+                // Nothing is known of rounding but its size.
+                Ok(energy(*variance)?.with_estimates(&[energy(0.0)?]))
+            }
+            Estimate::Resolved(estimate) => estimate.energy(frequencies),
+            Estimate::Cells(spectrum) => spectrum.energy(frequencies),
+        }
     }
 
     fn kurtosis(&self) -> Option<f64> {
-        self.estimate.kurtosis
+        match &self.estimate {
+            Estimate::Constant { .. } => None,
+            Estimate::Resolved(estimate) => estimate.kurtosis,
+            Estimate::Cells(spectrum) => spectrum.kurtosis,
+        }
     }
 }

@@ -42,11 +42,51 @@ pub enum Heuristic {
 }
 
 impl Heuristic {
-    fn exponent(self) -> i32 {
-        match self {
+    /// Returns the weight of a strategy from the products `c_k p_k` of all shares and densities;
+    /// they may have a common factor.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_integrands::Heuristic;
+    ///
+    /// assert_eq!(Heuristic::Balance.weight(0, &[3.0, 1.0]), 0.75);
+    /// assert_eq!(Heuristic::Power.weight(0, &[3.0, 1.0]), 0.9);
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// Panics if `own` is not below the number of products.
+    #[must_use]
+    pub fn weight(self, own: usize, scaled: &[f64]) -> f64 {
+        let exponent = match self {
             Self::Balance => 1,
             Self::Power => 2,
+        };
+        // Relative to the largest, so that no power overflows or underflows to 0/0.
+        let largest = scaled.iter().copied().fold(0.0, f64::max);
+        let power = |x: f64| (x / largest).powi(exponent);
+        power(scaled[own]) / scaled.iter().map(|x| power(*x)).sum::<f64>()
+    }
+
+    /// Returns `w/p` of a strategy at one of its samples, the factor of the integrand; shares of
+    /// strategies may have a common factor. It is infinite where the density is 0.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `own` is not below the number of strategies.
+    #[must_use]
+    pub fn weighted(self, strategies: &[Strategy], own: usize, sample: WarpSample) -> f64 {
+        let WarpSample { point, density } = sample;
+        if strategies.len() == 1 {
+            return density.recip();
         }
+        let scaled = |(k, Strategy { warp, share }): (usize, &Strategy)| {
+            share * if k == own { density } else { warp.density(point) }
+        };
+        let scaled: Vec<f64> = strategies.iter().enumerate().map(scaled).collect();
+        let weight = self.weight(own, &scaled);
+        if weight == 0.0 { 0.0 } else { weight / density }
     }
 
     fn name(self) -> &'static str {
@@ -137,6 +177,11 @@ impl<'a> Ratio<'a> {
         &*self.strategies[self.own].warp
     }
 
+    /// Returns the largest density of all strategies in a direction.
+    pub(super) fn max_density(&self, dir: DVec3) -> f64 {
+        self.strategies.iter().map(|s| s.warp.density(dir)).fold(0.0, f64::max)
+    }
+
     /// Returns all strategies.
     pub(super) fn strategies(&self) -> &[Strategy] {
         &self.strategies
@@ -159,24 +204,14 @@ impl<'a> Ratio<'a> {
     }
 
     /// Returns `w f/p` from a value f. Where f and all densities are 0, so is the ratio.
-    fn weighted(&self, value: f64, sample: WarpSample, scaled: &mut Vec<f64>) -> f64 {
-        let WarpSample { point, density } = sample;
+    pub(super) fn weighted(&self, value: f64, sample: WarpSample) -> f64 {
         if value == 0.0 {
             return 0.0;
         }
         if self.strategies.len() == 1 {
-            return value / density;
+            return value / sample.density;
         }
-        scaled.clear();
-        scaled.extend(self.strategies.iter().enumerate().map(|(k, Strategy { warp, share })| {
-            share * if k == self.own { density } else { warp.density(point) }
-        }));
-        // Relative to the largest, so that no power overflows or underflows to 0/0.
-        let largest = scaled.iter().copied().fold(0.0, f64::max);
-        let exponent = self.heuristic.exponent();
-        let sum: f64 = scaled.iter().map(|s| (s / largest).powi(exponent)).sum();
-        let own = (scaled[self.own] / largest).powi(exponent - 1);
-        value * (self.strategies[self.own].share / largest) * own / sum
+        value * self.heuristic.weighted(&self.strategies, self.own, sample)
     }
 }
 
@@ -185,7 +220,7 @@ impl SquareIntegrand for Ratio<'_> {
         let sample = self.warp().sample(point);
         let is_outside = self.domain == Domain::Hemisphere && sample.point.z < 0.0;
         let value = if is_outside { 0.0 } else { self.integrand.eval(sample.point) };
-        self.weighted(value, sample, &mut Vec::new())
+        self.weighted(value, sample)
     }
 
     fn eval_into(&self, points: &[[f64; 2]], values: &mut [f64]) -> Result<(), Error> {
@@ -193,9 +228,8 @@ impl SquareIntegrand for Ratio<'_> {
         self.warp().sample_into(points, &mut samples);
         let dirs: Vec<DVec3> = samples.iter().map(|sample| sample.point).collect();
         self.function_into(&dirs, values)?;
-        let mut scaled = Vec::with_capacity(self.strategies.len());
         for (value, sample) in values.iter_mut().zip(&samples) {
-            *value = self.weighted(*value, *sample, &mut scaled);
+            *value = self.weighted(*value, *sample);
         }
         Ok(())
     }
