@@ -17,10 +17,11 @@ pub(super) use self::curve::Curve;
 use self::record::{ComparisonBody, DegreeRecord, SamplerRecord};
 use self::result_folder::{RECORD, ResultFolder};
 use self::text::text;
+use super::cases::{Case, DirectionCase};
 use super::crossovers::crossovers;
 use super::effort::EffortArgs;
 use super::row_record::RowRecord;
-use super::rows::{self, Case, Row, ShownEnergy};
+use super::rows::{self, Row, ShownEnergy};
 use super::square_rows;
 use crate::error::CliError;
 use crate::flags::{
@@ -30,8 +31,10 @@ use crate::global::Global;
 use crate::integrands::{
     self, Integrals, parse_integrands, parse_square_integrand, with_integrals,
 };
-use crate::patterns::{PredictedPattern, parse_patterns};
-use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
+use crate::patterns::{parse_patterns, parse_samplers};
+use crate::report::{
+    Document, Provenance, csv_of, csv_of_present, is_stdout, print, say, write_text,
+};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -114,8 +117,8 @@ fn run_integrals(
     integrals: &Integrals<'_>,
 ) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
-    let patterns = distinct(parse_patterns(&args.samplers.required()?, global.quiet)?);
-    let cases = Case::all(&patterns, args.counts.list(), domain, true)?;
+    let samplers = parse_samplers(&args.samplers.required()?, global.quiet)?;
+    let cases = DirectionCase::all(&samplers, args.counts.list(), domain, true)?;
     let plan = args.effort.plan(integrals, global, true)?;
     rows::check(&plan, &cases)?;
     let output = Output::open(args, global)?;
@@ -128,23 +131,12 @@ fn run_integrals(
 fn run_square(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let effort = square_rows::settings(&args.effort, args.project, &[], global, true)?;
     let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
-    let patterns = distinct(parse_patterns(&args.samplers.required()?, global.quiet)?);
+    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, true)?;
     let output = Output::open(args, global)?;
     let (rows, energy) = square_rows::run(&integrand, &effort, &cases)?;
     let subject = Subject { text: integrand.subject(), integrand: &integrand.name };
     output.write(&rows, &energy, &subject)
-}
-
-/// Returns each pattern once.
-fn distinct<P: PredictedPattern>(all: Vec<P>) -> Vec<P> {
-    let mut patterns: Vec<P> = Vec::new();
-    for pattern in all {
-        if !patterns.contains(&pattern) {
-            patterns.push(pattern);
-        }
-    }
-    patterns
 }
 
 /// What is integrated, for titles.
@@ -205,13 +197,18 @@ struct Written<'a> {
 
 impl Written<'_> {
     fn to(&self, folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
-        write_text(&folder.join("comparison.csv"), &csv_of(provenance, &self.body.rows)?)?;
+        write_text(&folder.join("comparison.csv"), &csv_of_present(provenance, &self.body.rows)?)?;
         write_text(&folder.join("spectra.csv"), &csv_of(provenance, &degrees(self.rows))?)?;
-        let charts = [
-            ("spectra", spectra_chart(self.curves, self.energy.texts)),
+        let mut charts = vec![
             ("variance", variance_chart(self.curves, &self.subject.text)),
             ("integrand", integrand_chart(self.energy, self.subject.integrand)),
         ];
+        if self.rows.iter().any(|row| !row.is_warped()) {
+            charts.push(("spectra", spectra_chart(self.curves, self.energy.texts)));
+        } else {
+            // Those of an earlier run would not belong to this record.
+            result_folder::remove(folder, &["spectra.svg", "spectra.png"]);
+        }
         for (name, chart) in charts {
             let chart = chart.with_note(provenance.line());
             chart.render(&folder.join(format!("{name}.svg")))?;

@@ -5,7 +5,8 @@ use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_variance::FixedOrientation;
 
-use super::rows::{self, Case, Plan};
+use super::cases::Case;
+use super::rows::{self, Plan};
 use crate::error::CliError;
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 use crate::progress::Progress;
@@ -109,9 +110,9 @@ struct Row<'a> {
 /// Runs all cases and returns the rows in their order, with the chart.
 pub(super) fn run(
     plan: &Plan<'_>,
-    cases: &[Case],
+    cases: &[&Case],
 ) -> Result<(FixedOrientationBody, Chart), CliError> {
-    rows::check(plan, cases)?;
+    rows::check_uniform(plan, cases)?;
     let on_energies =
         |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.quiet);
     let mut predictor =

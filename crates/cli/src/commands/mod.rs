@@ -21,6 +21,7 @@ mod square_rows;
 pub(crate) mod variance;
 pub(crate) mod weights;
 
+mod cases;
 pub(crate) mod crossovers;
 mod effort;
 pub(crate) mod fixed_orientation;
@@ -29,5 +30,6 @@ mod row_record;
 mod rows;
 mod sets_args;
 mod visible_half;
+mod warped_rows;
 
 pub(crate) use self::sets_args::PointFileArgs;

@@ -28,8 +28,8 @@ pub(crate) struct RowRecord {
     n_requested: usize,
     /// The number of points.
     n: usize,
-    /// The largest degree of the spectrum; on the square the largest frequency, at most 256 if the
-    /// spectrum is estimated.
+    /// The largest degree of the spectrum; on the square and for warped patterns the largest
+    /// frequency, at most 256 if the spectrum is estimated.
     lmax: usize,
     /// Realizations from which the spectrum was estimated; 0 for a closed form.
     realizations: u64,
@@ -41,7 +41,7 @@ pub(crate) struct RowRecord {
     /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     #[schemars(with = "Option<f64>")]
     predicted_stderr: f64,
-    /// The part of `predicted` beyond the largest degree of the spectrum.
+    /// The part of `predicted` beyond the largest degree or frequency of the spectrum.
     predicted_tail: f64,
     /// The measured variance of the integral.
     #[schemars(with = "Option<f64>")]
@@ -89,8 +89,28 @@ pub(crate) struct RowRecord {
     bias_p: Option<f64>,
     /// The reason why numbers are missing.
     remark: Option<&'static str>,
-    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights.
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights and for
+    /// warped patterns, whose weights differ from trial to trial.
     n_effective: Option<f64>,
+    /// The largest known ratio of the integrand, weighted by the heuristic, and the density by which
+    /// its points are distributed; this and the following are those of warped patterns only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio: Option<f64>,
+    /// The colatitude of `largest_ratio` in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio_theta: Option<f64>,
+    /// The longitude of `largest_ratio` in degrees, from 0 to 360.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio_phi: Option<f64>,
+    /// The number of the warp with `largest_ratio` in a sum of warps, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio_strategy: Option<usize>,
+    /// The trials with a point whose ratio exceeds half of `largest_ratio`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio_trials: Option<u64>,
+    /// The expected number of such trials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_ratio_expected: Option<f64>,
 }
 
 /// The remark of a row whose measured variance has no error estimate.
@@ -120,6 +140,7 @@ impl RowRecord {
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         // An integral of 0 is known up to rounding.
         let error = prediction.variance.sqrt();
+        let direction = row.largest.map(|largest| largest.direction);
         let exact = row.comparison.exact.filter(|exact| exact.abs() > 1e-10 * error);
         Self {
             integral: row.integral.clone(),
@@ -155,6 +176,13 @@ impl RowRecord {
             bias_z: bias.map(|b| b.z),
             bias_p: bias.map(|b| b.p_value),
             remark,
+            largest_ratio: row.largest.map(|largest| largest.ratio),
+            largest_ratio_theta: direction.map(|d| d.x.hypot(d.y).atan2(d.z).to_degrees()),
+            largest_ratio_phi: direction
+                .map(|d| d.y.atan2(d.x).rem_euclid(std::f64::consts::TAU).to_degrees()),
+            largest_ratio_strategy: row.largest.map(|largest| largest.strategy + 1),
+            largest_ratio_trials: row.largest.map(|largest| largest.trials),
+            largest_ratio_expected: row.largest.map(|largest| largest.expected_trials),
         }
     }
 
@@ -200,6 +228,19 @@ impl RowRecord {
             Column::number("z", |r: &Self| number::score(r.z)),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
         ]);
+        if records.iter().any(|r| r.largest_ratio.is_some()) {
+            columns.extend([
+                Column::number("max f/p", |r: &Self| {
+                    number::optional(r.largest_ratio, number::value)
+                }),
+                Column::number("trials near it", |r: &Self| {
+                    number::optional(r.largest_ratio_trials, |trials| trials.to_string())
+                }),
+                Column::number("expected", |r: &Self| {
+                    number::optional(r.largest_ratio_expected, number::count)
+                }),
+            ]);
+        }
         if has_several {
             let relative = |r: &Self| number::optional(r.relative_error, number::percent);
             columns.push(Column::number("relative error", relative));

@@ -4,17 +4,19 @@ use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::{Resolution, Spectrum};
 use sphvar_variance::{
-    Comparison, IntegrationSpace, JointTrials, Precision, PredictedPoint, PredictionBudget,
-    Predictor, PredictorOn, SpectrumOptions, Trials, check_degree as check_settled,
-    prediction_degree, settled_degree,
+    Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
+    PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
+    check_degree as check_settled, prediction_degree, settled_degree,
 };
 
+use super::cases::{Case, DirectionCase};
 use super::power_chart::{BandTexts, ShownBands, largest_radius};
+use super::warped_rows::WarpedIntegrals;
 use crate::error::CliError;
 use crate::flags::missing_count;
 use crate::integrands::{Integral, Integrals, NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
-use crate::patterns::{self, BandsOf, PredictedPattern, SamplerName, SamplerRef, n_effective};
+use crate::patterns::{BandsOf, PredictedPattern, SamplerName, n_effective};
 use crate::progress::Progress;
 
 /// The settings of a run for all patterns and numbers of points.
@@ -42,61 +44,6 @@ pub(super) struct Effort {
     pub(super) quiet: bool,
 }
 
-/// One pattern at one number of points.
-pub(super) struct Case<P: PredictedPattern = Pattern> {
-    pub(super) pattern: P,
-    /// The requested number of points.
-    pub(super) requested: usize,
-    sampler: Box<P::Sampler>,
-}
-
-impl<P: PredictedPattern> Case<P> {
-    /// Returns the pattern with `requested` points, or with the nearest valid count.
-    pub(super) fn new(
-        pattern: P,
-        requested: usize,
-        space: P::Space,
-        nearest: bool,
-    ) -> Result<Self, CliError> {
-        let sampler = patterns::build(&pattern, requested, space, nearest)?;
-        Ok(Self { pattern, requested, sampler })
-    }
-
-    /// Returns every pattern at every number of points, each case once. A single file has one case,
-    /// at its own number.
-    pub(super) fn all(
-        patterns: &[P],
-        counts: &[usize],
-        space: P::Space,
-        nearest: bool,
-    ) -> Result<Vec<Self>, CliError> {
-        let mut cases: Vec<Self> = Vec::new();
-        for pattern in patterns {
-            let own = pattern.own_count();
-            if own.is_none() && counts.is_empty() {
-                return Err(missing_count());
-            }
-            let counts = own.as_ref().map_or(counts, std::slice::from_ref);
-            for &n in counts {
-                let case = Self::new(pattern.clone(), n, space, nearest)?;
-                let same = |c: &Self| c.pattern == *pattern && c.n_points() == case.n_points();
-                if !cases.iter().any(same) {
-                    cases.push(case);
-                }
-            }
-        }
-        Ok(cases)
-    }
-
-    pub(super) fn sampler(&self) -> SamplerRef<'_, P> {
-        P::Space::sampler(&self.sampler)
-    }
-
-    pub(super) fn n_points(&self) -> usize {
-        P::Space::n_points(self.sampler())
-    }
-}
-
 /// The results of one case for one integral.
 #[derive(Debug)]
 pub(super) struct Row {
@@ -122,20 +69,29 @@ pub(super) struct Row {
     pub(super) white_variance: f64,
     /// The effective number of points, if they have weights.
     pub(super) n_effective: Option<f64>,
+    /// The largest ratio of integrand and density, of a warped pattern.
+    pub(super) largest: Option<LargestSeen>,
+}
+
+impl Row {
+    /// Returns whether the sampler is a warped pattern.
+    pub(super) fn is_warped(&self) -> bool {
+        self.largest.is_some()
+    }
 }
 
 impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
     /// Returns the results for the only integral.
     pub(super) fn row(
         &self,
-        integrand: &str,
+        integrand: String,
         predictor: &PredictorOn<'_, P::Space>,
         spectrum: &Spectrum<BandsOf<P>>,
         comparison: Comparison,
         is_shown: bool,
     ) -> Row {
         Row {
-            integrand: integrand.to_owned(),
+            integrand,
             integral: None,
             is_main: true,
             domain: predictor.space().to_string(),
@@ -147,6 +103,7 @@ impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
             white_variance: predictor.white_variance(comparison.n_points),
             n_effective: n_effective::<P>(self.sampler(), spectrum),
             comparison,
+            largest: None,
         }
     }
 }
@@ -167,7 +124,12 @@ impl ShownEnergy {
 impl Effort {
     /// Returns the trials of a sampler: the user's number or the default.
     pub(super) fn trials_of<S: IntegrationSpace>(&self, sampler: S::SamplerRef<'_>) -> Trials {
-        let count = self.trials.unwrap_or_else(|| Trials::default_of::<S>(sampler).count);
+        self.trials_or(|| Trials::default_of::<S>(sampler))
+    }
+
+    /// Returns the user's number of trials or the default.
+    pub(super) fn trials_or(&self, default: impl FnOnce() -> Trials) -> Trials {
+        let count = self.trials.unwrap_or_else(|| default().count);
         let max_trials = self.until.map_or(u64::MAX, |precision| precision.max_trials);
         Trials { count: count.min(max_trials), until: self.until }
     }
@@ -198,8 +160,13 @@ impl Effort {
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases, those of
 /// all integrals for each, with the energies of the last integral.
-pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, ShownEnergy), CliError> {
+pub(super) fn run(
+    plan: &Plan<'_>,
+    cases: &[DirectionCase],
+) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     check(plan, cases)?;
+    let pulled_back = WarpedIntegrals::new(plan, cases)?;
+    let mut warped = pulled_back.predictors(&plan.effort)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
             integral.integrand.announce_energies(plan.domain, lmax, plan.effort.quiet);
@@ -217,39 +184,47 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, ShownEne
     })?;
     let mut work = 0.0;
     for case in cases {
-        let sampler = case.sampler();
-        work += joint.work(sampler)? + plan.effort.trials_of::<Domain>(sampler).work(sampler);
+        work += match case {
+            DirectionCase::Uniform(case) => {
+                let sampler = case.sampler();
+                joint.work(sampler)? + plan.effort.trials_of::<Domain>(sampler).work(sampler)
+            }
+            DirectionCase::Warped(case) => warped.work(case, &plan.effort)?,
+        };
     }
     let progress = Progress::new(work, plan.effort.quiet);
     let mut rows = Vec::new();
     for case in cases {
-        progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
-        let predicted = plan.predict(&mut joint, case, &progress)?;
-        let trials = plan.effort.trials_of::<Domain>(case.sampler());
-        let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
-        let comparisons = joint.measure(&predictions, case.sampler(), trials, &progress)?;
-        let integrals = plan.integrals.all();
-        let results = predicted.iter().zip(comparisons).zip(joint.predictors());
-        let results = integrals.iter().zip(results).enumerate();
-        for (i, (integral, ((point, comparison), predictor))) in results {
-            let is_shown = plan.effort.whole_spectra && i + 1 == integrals.len();
-            let name = &integral.integrand.name;
-            let row = case.row(name, predictor, &point.spectrum, comparison, is_shown);
-            let name = (integrals.len() > 1).then(|| integral.label.clone());
-            rows.push(Row { integral: name, is_main: i + 1 == integrals.len(), ..row });
-        }
+        progress.stage(&case.stage());
+        rows.extend(match case {
+            DirectionCase::Uniform(case) => plan.rows(&mut joint, case, &progress)?,
+            DirectionCase::Warped(case) => {
+                let white: Vec<f64> =
+                    joint.predictors().map(|p| p.white_variance(case.n_points)).collect();
+                warped.rows(plan, case, &white, &progress)?
+            }
+        });
     }
     let mut predictors: Vec<_> = joint.predictors().collect();
     let Some(predictor) = predictors.pop() else { return Err(missing_count()) };
     if plan.effort.whole_spectra {
-        let max_points = cases.iter().map(Case::n_points).max().unwrap_or(0);
+        let max_points = cases.iter().map(DirectionCase::n_points).max().unwrap_or(0);
         predictor.energy_to(Resolution::natural_degree(max_points))?;
     }
     Ok((rows, ShownEnergy::new(predictor.energy())))
 }
 
 /// Rejects cases that cannot be run.
-pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
+pub(super) fn check(plan: &Plan<'_>, cases: &[DirectionCase]) -> Result<(), CliError> {
+    if plan.effort.spectra.lmax.is_some() {
+        let why = "its prediction is a sum over frequencies of the unit square";
+        DirectionCase::all_uniform(cases, "--lmax", why)?;
+    }
+    check_uniform(plan, &cases.iter().filter_map(DirectionCase::uniform).collect::<Vec<_>>())
+}
+
+/// Rejects cases of uniform patterns that cannot be run.
+pub(super) fn check_uniform(plan: &Plan<'_>, cases: &[&Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
     plan.integrand.announce_bias(plan.domain, plan.effort.quiet);
     let SpectrumOptions { method, epsilon, .. } = plan.effort.spectra;
@@ -267,12 +242,13 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 /// Rejects a user's largest degree at which predictions would not depend on the pattern. White
 /// noise is the only pattern whose power is 1 in every degree, the value assumed beyond the largest
 /// one.
-fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
+fn check_cut_sum(plan: &Plan<'_>, cases: &[&Case]) -> Result<(), CliError> {
     let Some(lmax) = plan.effort.spectra.lmax else {
         return Ok(());
     };
     let low: Vec<&Case> = cases
         .iter()
+        .copied()
         .filter(|c| c.pattern != Pattern::WhiteNoise && lmax < settled_degree(c.sampler()))
         .collect();
     let Some(highest) = low.iter().map(|c| settled_degree(c.sampler())).max() else {
@@ -311,6 +287,27 @@ impl Plan<'_> {
         let budget = PredictionBudget::DEFAULT;
         let chosen = self.effort.spectra.realizations;
         chosen.unwrap_or_else(|| budget.realizations(sampler, lmax))
+    }
+
+    /// Returns the rows of a case, one for each integral.
+    fn rows(
+        &self,
+        joint: &mut JointTrials<'_>,
+        case: &Case,
+        progress: &Progress,
+    ) -> Result<Vec<Row>, CliError> {
+        let predicted = self.predict(joint, case, progress)?;
+        let trials = self.effort.trials_of::<Domain>(case.sampler());
+        let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
+        let comparisons = joint.measure(&predictions, case.sampler(), trials, progress)?;
+        let results = predicted.iter().zip(comparisons).zip(joint.predictors());
+        let mut rows = Vec::new();
+        for (integral, ((point, comparison), predictor)) in self.integrals.in_rows().zip(results) {
+            let is_shown = self.effort.whole_spectra && integral.is_main;
+            let row = case.row(integral.name, predictor, &point.spectrum, comparison, is_shown);
+            rows.push(Row { integral: integral.label, is_main: integral.is_main, ..row });
+        }
+        Ok(rows)
     }
 
     /// Returns the predictions for a case, with the spectrum as far as it is shown.

@@ -5,8 +5,9 @@ use sphvar_sh::Frequencies;
 use sphvar_spectrum::SquareResolution;
 use sphvar_variance::{PredictionBudget, SquarePredictor};
 
+use super::cases::Case;
 use super::effort::EffortArgs;
-use super::rows::{Case, Effort, Row, ShownEnergy};
+use super::rows::{Effort, Row, ShownEnergy};
 use crate::error::CliError;
 use crate::flags::{NO_HARMONICS, ONE_DOMAIN, ProjectArgs, USE_KMAX};
 use crate::global::Global;
@@ -84,7 +85,7 @@ pub(super) fn run(
         }
         let trials = effort.trials_of::<Square>(case.sampler());
         let comparison = predictor.measure(point.prediction, case.sampler(), trials, &progress)?;
-        let (name, is_shown) = (&integrand.name, effort.whole_spectra);
+        let (name, is_shown) = (integrand.name.clone(), effort.whole_spectra);
         rows.push(case.row(name, &predictor, &point.spectrum, comparison, is_shown));
     }
     Ok((rows, ShownEnergy::new(predictor.energy())))

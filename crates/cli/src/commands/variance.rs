@@ -5,11 +5,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::Square;
 
+use super::cases::{Case, DirectionCase};
 use super::compare::{Curve, variance_chart};
 use super::effort::EffortArgs;
 use super::fixed_orientation::{self, FixedOrientationRecord};
 use super::row_record::RowRecord;
-use super::rows::{self, Case, Plan, Row};
+use super::rows::{self, Plan, Row};
 use super::square_rows;
 use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
@@ -19,8 +20,10 @@ use crate::flags::{
 };
 use crate::global::Global;
 use crate::integrands::{Integrals, parse_integrands, parse_square_integrand, with_integrals};
-use crate::patterns::parse_patterns;
-use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
+use crate::patterns::{parse_patterns, parse_samplers};
+use crate::report::{
+    Forms, Provenance, check_result, csv_of, csv_of_present, emit, is_stdout, table_of,
+};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
@@ -115,23 +118,36 @@ fn run_integrals(
     integrals: &Integrals<'_>,
 ) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
-    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
-    let cases = Case::all(&patterns, args.counts.list(), domain, args.nearest.nearest)?;
+    let samplers = parse_samplers(&args.samplers.required()?, global.quiet)?;
+    let cases = DirectionCase::all(&samplers, args.counts.list(), domain, args.nearest.nearest)?;
     let plan = args.effort.plan(integrals, global, false)?;
     if args.no_rotate {
-        integrals.only("--no-rotate")?;
-        return run_fixed(args, global, &plan, &cases);
+        let option = "--no-rotate";
+        integrals.only(option)?;
+        return run_fixed(
+            args,
+            global,
+            &plan,
+            &DirectionCase::all_uniform(&cases, option, SHIFTED)?,
+        );
     }
-    if args.visible_half.is_some() {
-        integrals.only("--visible-half")?;
-    }
-    let (rows, _) = rows::run(&plan, &cases)?;
     let halves = match args.visible_half {
-        Some(axis) => Some(visible_half::run(&plan, axis, &cases, &rows)?),
+        Some(axis) => {
+            let option = "--visible-half";
+            integrals.only(option)?;
+            Some((axis, DirectionCase::all_uniform(&cases, option, ONLY_ROTATED)?))
+        }
         None => None,
     };
+    let (rows, _) = rows::run(&plan, &cases)?;
+    let halves = halves
+        .map(|(axis, uniform)| visible_half::run(&plan, axis, &uniform, &rows))
+        .transpose()?;
     write(args, global, &rows, &plan.subject(), halves)
 }
+
+/// Why `--visible-half` does not apply to warped patterns.
+const ONLY_ROTATED: &str = "it has no sets on the sphere";
 
 /// Predicts and measures variances on the unit square.
 fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
@@ -156,7 +172,7 @@ fn write(
     let body = VarianceBody { rows: rows.iter().map(RowRecord::new).collect(), visible_half };
     let chart = || Ok(variance_chart(&Curve::all(rows), subject));
     let forms = Forms {
-        csv: &|| csv_of(&provenance, &body.rows),
+        csv: &|| csv_of_present(&provenance, &body.rows),
         chart: Some(&chart),
         text: &|| text(&body),
     };
@@ -168,7 +184,7 @@ fn run_fixed(
     args: &VarianceArgs,
     global: &Global,
     plan: &Plan<'_>,
-    cases: &[Case],
+    cases: &[&Case],
 ) -> Result<(), CliError> {
     let (body, chart) = fixed_orientation::run(plan, cases)?;
     let provenance = Provenance::new(global.seed);

@@ -11,7 +11,8 @@ use sphvar_variance::{
     measure_visible_half, prediction_degree, trial_work,
 };
 
-use super::rows::{Case, Plan, Row};
+use super::cases::Case;
+use super::rows::{Plan, Row};
 use crate::error::CliError;
 use crate::memory::check_transform;
 use crate::patterns;
@@ -87,7 +88,7 @@ pub(crate) struct VisibleHalfRecord {
 pub(super) fn run(
     plan: &Plan<'_>,
     half: HalfAxis,
-    cases: &[Case],
+    cases: &[&Case],
     rows: &[Row],
 ) -> Result<Vec<VisibleHalfRecord>, CliError> {
     if let Some(case) = cases.iter().find(|c| matches!(c.pattern, Pattern::PointFile(_))) {

@@ -29,6 +29,16 @@ pub(crate) struct Integral<'a> {
     is_announced: bool,
 }
 
+/// How rows name an integral.
+pub(crate) struct IntegralName {
+    /// The integrand as it was written.
+    pub(crate) name: String,
+    /// The name in tables, if there are several integrals.
+    pub(crate) label: Option<String>,
+    /// Whether rates, charts and ranks are those of this integral.
+    pub(crate) is_main: bool,
+}
+
 /// The components of the vector integrand that an integral consists of.
 enum Source {
     Component(usize),
@@ -116,6 +126,16 @@ impl<'a> Integrals<'a> {
     /// Returns all integrals; rates, charts and ranks are those of the last one.
     pub(crate) fn all(&self) -> &[Integral<'a>] {
         &self.all
+    }
+
+    /// Returns the names of all integrals in rows.
+    pub(crate) fn in_rows(&self) -> impl Iterator<Item = IntegralName> {
+        let count = self.all.len();
+        self.all.iter().enumerate().map(move |(i, integral)| IntegralName {
+            name: integral.integrand.name.clone(),
+            label: (count > 1).then(|| integral.label.clone()),
+            is_main: i + 1 == count,
+        })
     }
 
     /// Returns the integrals by which patterns are ranked, the main one first, each with the

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub(crate) use self::document::{Document, Forms, emit};
 pub(crate) use self::number::full;
 pub(crate) use self::provenance::Provenance;
-pub(crate) use self::rows::{csv, csv_of, csv_rows};
+pub(crate) use self::rows::{csv, csv_of, csv_of_present, csv_rows};
 pub(crate) use self::table::{Column, table, table_of};
 use crate::error::CliError;
 pub(crate) use crate::files::is_stdout;

@@ -31,18 +31,31 @@ pub(crate) fn csv_of<'r, R: Serialize + JsonSchema + 'r>(
     Ok(format!("# {}\n{}", provenance.line(), csv_rows(records)?))
 }
 
+/// Returns the same without columns of fields that no record writes in JSON.
+pub(crate) fn csv_of_present<R: Serialize + JsonSchema>(
+    provenance: &Provenance,
+    records: &[R],
+) -> Result<String, CliError> {
+    let values = records.iter().map(serde_json::to_value).collect::<Result<Vec<Value>, _>>();
+    let values = values.map_err(CliError::failed)?;
+    let is_present =
+        |f: &Field| values.is_empty() || values.iter().any(|v| v.get(&f.key).is_some());
+    let fields: Vec<Field> = fields::<R>().into_iter().filter(is_present).collect();
+    Ok(format!("# {}\n{}", provenance.line(), rows_of(&fields, &values)))
+}
+
 /// Returns the same without the comment.
 pub(crate) fn csv_rows<'r, R: Serialize + JsonSchema + 'r>(
     records: impl IntoIterator<Item = &'r R>,
 ) -> Result<String, CliError> {
-    let fields = fields::<R>();
-    let heading = fields.iter().map(|field| field.name.clone()).collect();
-    let mut rows = vec![heading];
-    for record in records {
-        let value = serde_json::to_value(record).map_err(CliError::failed)?;
-        rows.push(fields.iter().map(|field| field.cell(&value)).collect());
-    }
-    Ok(written(&rows))
+    let values = records.into_iter().map(serde_json::to_value).collect::<Result<Vec<Value>, _>>();
+    Ok(rows_of(&fields::<R>(), &values.map_err(CliError::failed)?))
+}
+
+fn rows_of(fields: &[Field], records: &[Value]) -> String {
+    let mut rows = vec![fields.iter().map(|field| field.name.clone()).collect()];
+    rows.extend(records.iter().map(|r| fields.iter().map(|field| field.cell(r)).collect()));
+    written(&rows)
 }
 
 /// Returns CSV with the provenance as a comment, a heading and rows of cells, for data without a

@@ -17,6 +17,8 @@ const LINEAR_RATIO: f64 = 5.0;
 /// Beyond this frequency only the spectra of lattices are computed, and their power only
 /// fluctuates.
 const LAST_FREQUENCY: f64 = 4.0;
+/// The note where samplers have no curve.
+const WITHOUT_SPECTRUM: &str = "Not shown: warped patterns, which have no angular spectrum.";
 
 /// Returns the colours of curves. If there are many curves, only those with the smallest N x
 /// variance have a colour.
@@ -45,7 +47,10 @@ fn notes_of_colours(curves: &[Curve<'_>]) -> Vec<String> {
 /// Returns the spectra at the largest number of points.
 pub(super) fn spectra_chart(curves: &[Curve<'_>], texts: &BandTexts) -> Chart {
     let inks = inks_of(curves);
-    let shown = || curves.iter().zip(&inks).filter_map(|(c, ink)| Some((*c.rows.last()?, *ink)));
+    let shown = || {
+        let rows = curves.iter().zip(&inks).filter_map(|(c, ink)| Some((*c.rows.last()?, *ink)));
+        rows.filter(|(row, _)| !row.is_warped())
+    };
     let first = shown().next().map(|(row, _)| row.comparison.n_points);
     let common = first.filter(|&n| shown().all(|(row, _)| row.comparison.n_points == n));
     let spectra: Vec<PowerCurve> = shown()
@@ -61,7 +66,9 @@ pub(super) fn spectra_chart(curves: &[Curve<'_>], texts: &BandTexts) -> Chart {
     let n_points = common.map_or(String::new(), |n| format!(", N = {n}"));
     let title = format!("{}{n_points}", texts.title);
     let chart = Chart { title, ..power_chart(texts, &spectra, Vec::new()) };
-    notes_of_colours(curves).into_iter().fold(chart, Chart::with_note)
+    let has_warped = curves.iter().flat_map(|curve| &curve.rows).any(|row| row.is_warped());
+    let without = has_warped.then(|| WITHOUT_SPECTRUM.to_owned());
+    notes_of_colours(curves).into_iter().chain(without).fold(chart, Chart::with_note)
 }
 
 /// Returns predicted and measured variances against N, with their ratio below.

@@ -64,6 +64,7 @@ impl<'a> Curve<'a> {
         Some(SamplerRecord {
             sampler: self.sampler.text.clone(),
             label: self.sampler.label.clone(),
+            is_warped: last.is_warped(),
             basis,
             rate: fit.map(|f| f.slope),
             rate_interval: finite(fit.map(|f| f.interval)),

@@ -33,6 +33,9 @@ pub(super) struct SamplerRecord {
     /// The name of the sampler in tables.
     #[serde(skip)]
     pub(super) label: String,
+    /// Whether it is a warped pattern.
+    #[serde(skip)]
+    pub(super) is_warped: bool,
     /// The source of rate and variance reduction, the more precise one at every N: `predicted`,
     /// `measured` or `both`.
     pub(super) basis: &'static str,
@@ -54,7 +57,7 @@ pub(super) struct SamplerRecord {
     pub(super) measured_rate_interval: Option<(f64, f64)>,
     /// The largest number of points, to which the fields below belong.
     pub(super) n: usize,
-    /// The exact variance of white noise divided by this one; null where the variance does not
+    /// The exact variance of white noise, of uniform density, divided by this one; null where the variance does not
     /// exceed the rounding error.
     pub(super) variance_reduction: Option<f64>,
     /// The standard error of `variance_reduction`.
@@ -65,7 +68,8 @@ pub(super) struct SamplerRecord {
     /// The standard error of `measured_variance_reduction`.
     pub(super) measured_variance_reduction_stderr: Option<f64>,
     /// The effective power, that is the pattern's power weighted by the integrand's energies:
-    /// the predicted variance divided by that of white noise.
+    /// the predicted variance divided by that of white noise. Of a warped pattern it is that ratio,
+    /// with the effect of the density.
     #[schemars(with = "Option<f64>")]
     pub(super) effective_power: f64,
 }

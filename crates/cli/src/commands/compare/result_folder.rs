@@ -94,7 +94,7 @@ fn present(folder: &Path) -> Vec<&'static str> {
 }
 
 /// Removes regular files, the only kind that is written here.
-fn remove(folder: &Path, names: &[&str]) {
+pub(super) fn remove(folder: &Path, names: &[&str]) {
     for name in names {
         let path = folder.join(name);
         if path.symlink_metadata().is_ok_and(|metadata| metadata.is_file()) {

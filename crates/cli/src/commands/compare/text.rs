@@ -28,6 +28,10 @@ pub(super) fn text(body: &ComparisonBody, subject: &str) -> String {
     text += "\nrate: exponent b of variance ~ N^b; rate and reduction come from predicted or measured variances,\n\
              whichever are more precise. effective power: mean power of the pattern, weighted by the energies of\n\
              the integrand; white noise has 1. reduction: variance of white noise divided by this one.\n";
+    if body.samplers.iter().any(|s| s.is_warped) {
+        text +=
+            "Both compare with white noise of uniform density, also those of warped patterns.\n";
+    }
     if body.samplers.iter().any(|s| s.pre_asymptotic) {
         text +=
             "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
@@ -57,10 +61,27 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
     let measured = measured.map_or(String::new(), |(g, e)| {
         format!(", {} as measured", number::with_uncertainty(g, e))
     });
-    format!(
+    let largest = format!(
         "Largest variance reduction: {} with N = {}, {} as predicted{measured}.\n",
         best.label,
         best.n,
         number::ratio(1.0 / best.effective_power),
-    )
+    );
+    largest + &effect_of_density(samplers)
+}
+
+/// Returns what the best density gains over uniform patterns, if there are samplers of both kinds.
+fn effect_of_density(samplers: &[SamplerRecord]) -> String {
+    let best = |is_warped: bool| {
+        let own = samplers.iter().filter(|s| s.is_warped == is_warped && s.effective_power > 0.0);
+        own.min_by(|a, b| (a.effective_power).total_cmp(&b.effective_power))
+    };
+    best(true).zip(best(false)).map_or(String::new(), |(warped, uniform)| {
+        format!(
+            "Best density: {} has {} times the variance of {}, the best uniform pattern.\n",
+            warped.label,
+            number::ratio(warped.effective_power / uniform.effective_power),
+            uniform.label
+        )
+    })
 }

@@ -1,0 +1,142 @@
+//! Rows of warped patterns, for `variance` and `compare`.
+
+use sphvar_integrands::{Heuristic, PulledBack, Tolerance, WarpExpression};
+use sphvar_samplers::Share;
+use sphvar_variance::{PredictionBudget, WarpedPattern, WarpedPredictor};
+
+use super::cases::{DirectionCase, WarpedCase};
+use super::power_chart::largest_radius;
+use super::rows::{Effort, Plan, Row};
+use crate::error::CliError;
+use crate::integrands::{Integral, strategies_of};
+use crate::patterns::DirectionSampler;
+use crate::progress::Progress;
+
+/// All integrals pulled back by the warps of all cases, each distinct warp once.
+pub(super) struct WarpedIntegrals<'a> {
+    warps: Vec<WarpedIntegral<'a>>,
+}
+
+/// All integrals pulled back by one warp.
+struct WarpedIntegral<'a> {
+    warp: WarpExpression,
+    heuristic: Heuristic,
+    /// For every integral its exact value and the functions of all strategies.
+    integrals: Vec<(Option<f64>, Vec<PulledBack<'a>>)>,
+}
+
+impl WarpedIntegral<'_> {
+    fn is_of(&self, pattern: &WarpedPattern) -> bool {
+        (&self.warp, self.heuristic) == (&pattern.warp, pattern.heuristic)
+    }
+}
+
+impl<'a> WarpedIntegrals<'a> {
+    /// Reads the files of the warps and pulls back the integrands.
+    pub(super) fn new(plan: &Plan<'a>, cases: &[DirectionCase]) -> Result<Self, CliError> {
+        let mut distinct: Vec<&WarpedPattern> = Vec::new();
+        for WarpedCase { pattern, .. } in cases.iter().filter_map(DirectionCase::warped) {
+            let same =
+                |p: &&WarpedPattern| (&p.warp, p.heuristic) == (&pattern.warp, pattern.heuristic);
+            if !distinct.iter().any(same) {
+                distinct.push(pattern);
+            }
+        }
+        if let Some(pattern) = distinct.first()
+            && plan.integrals.all().iter().any(Integral::is_irradiance)
+        {
+            return Err(CliError::Usage(format!(
+                "--project does not apply to {pattern}; name a coefficient as \"f * ylm:l=2,m=1\""
+            )));
+        }
+        let warps: Vec<&WarpExpression> = distinct.iter().map(|pattern| &pattern.warp).collect();
+        let strategies = strategies_of(&warps, plan.domain, plan.effort.quiet)?;
+        let pulled_back = |(pattern, strategies): (&WarpedPattern, Vec<_>)| {
+            let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
+            let of_integral = |integral: &Integral<'a>| {
+                let function = &*integral.integrand.function;
+                let tolerance = Tolerance::default();
+                PulledBack::of_strategies(function, plan.domain, &strategies, heuristic, tolerance)
+                    .map(|functions| (function.exact(plan.domain), functions))
+                    .map_err(|e| CliError::Failed(format!("{pattern}: {e}")))
+            };
+            let integrals = plan.integrals.all().iter().map(of_integral);
+            Ok(WarpedIntegral { warp, heuristic, integrals: integrals.collect::<Result<_, _>>()? })
+        };
+        let warps = distinct.into_iter().zip(strategies).map(pulled_back);
+        Ok(Self { warps: warps.collect::<Result<_, CliError>>()? })
+    }
+
+    /// Returns the predictors of all integrals.
+    pub(super) fn predictors(&self, effort: &Effort) -> Result<WarpedPredictors<'_>, CliError> {
+        let mut warps = Vec::new();
+        for warp in &self.warps {
+            let mut predictors = Vec::new();
+            for (exact, functions) in &warp.integrals {
+                let budget = PredictionBudget::DEFAULT;
+                let predictor = WarpedPredictor::new(functions, effort.seed, budget)?;
+                predictors.push(predictor.with_options(effort.spectra).with_integral(*exact));
+            }
+            warps.push((warp, predictors));
+        }
+        Ok(WarpedPredictors { warps })
+    }
+}
+
+/// The predictors of all integrals for every warp.
+pub(super) struct WarpedPredictors<'a> {
+    warps: Vec<(&'a WarpedIntegral<'a>, Vec<WarpedPredictor<'a>>)>,
+}
+
+impl<'a> WarpedPredictors<'a> {
+    fn of(&mut self, case: &WarpedCase) -> impl Iterator<Item = &mut WarpedPredictor<'a>> {
+        let own = self.warps.iter_mut().filter(|(warp, _)| warp.is_of(&case.pattern));
+        own.flat_map(|(_, predictors)| predictors)
+    }
+
+    /// Returns the maximum nominal work of a case.
+    pub(super) fn work(&mut self, case: &WarpedCase, effort: &Effort) -> Result<f64, CliError> {
+        let WarpedCase { pattern, n_points, .. } = case;
+        let of_trials = case.trials(effort).count as f64 * pattern.trial_work(*n_points);
+        self.of(case).map(|predictor| Ok(predictor.work(pattern, *n_points)? + of_trials)).sum()
+    }
+
+    /// Returns the rows of a case, one for each integral, all from the same directions; `white` are
+    /// the variances of independent uniform directions.
+    pub(super) fn rows(
+        &mut self,
+        plan: &Plan<'_>,
+        case: &WarpedCase,
+        white: &[f64],
+        progress: &Progress,
+    ) -> Result<Vec<Row>, CliError> {
+        let WarpedCase { pattern, requested, n_points } = case;
+        let trials = case.trials(&plan.effort);
+        let mut rows = Vec::new();
+        for ((integral, white), predictor) in plan.integrals.in_rows().zip(white).zip(self.of(case))
+        {
+            let share = Share::new(progress, predictor.work(pattern, *n_points)?);
+            let point = predictor.predict(pattern, *n_points, &share)?;
+            share.finish().map_err(CliError::failed)?;
+            let prediction = &point.prediction;
+            let measured = predictor.measure(prediction, pattern, *n_points, trials, progress)?;
+            let spectra = || point.strategies.iter().map(|strategy| &strategy.spectrum);
+            rows.push(Row {
+                integrand: integral.name,
+                integral: integral.label,
+                is_main: integral.is_main,
+                domain: plan.domain.to_string(),
+                sampler: DirectionSampler::Warped(pattern.clone()).name(),
+                requested: *requested,
+                comparison: measured.comparison,
+                lmax: spectra().map(largest_radius).max().unwrap_or(0),
+                realizations: spectra().map(|s| s.realizations()).max().unwrap_or(0),
+                power: Vec::new(),
+                white_variance: *white,
+                n_effective: None,
+                largest: Some(measured.largest),
+            });
+        }
+        Ok(rows)
+    }
+}
