@@ -1,3 +1,4 @@
+mod adapted;
 mod directions;
 mod distance;
 mod mass_points;
@@ -5,6 +6,7 @@ mod mass_points;
 use rand::Rng;
 use sphvar_grammar::{Declaration, Parametric};
 
+pub use self::adapted::AdaptedCcvt;
 pub(crate) use self::directions::Directions;
 pub use self::mass_points::MassPoints;
 

@@ -13,6 +13,6 @@ mod sizes;
 pub(crate) use division::divide;
 pub(crate) use lanes::{LANES, largest};
 pub(crate) use mass_space::{MassSpace, Moments};
-pub(crate) use relaxation::{MAX_PASSES, Relaxation, relax};
+pub(crate) use relaxation::{MAX_PASSES, Relaxation, relax, settle};
 pub use settled::Tessellation;
 pub(crate) use sizes::{check_memory, check_sizes, nominal_work, work_per_pass};

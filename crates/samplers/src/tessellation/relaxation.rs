@@ -37,19 +37,29 @@ pub(crate) const MAX_PASSES: usize = 10_000;
 /// A single site is a uniform point, because the mass of the whole space has no mean.
 pub(crate) fn relax<S: MassSpace<D>, const D: usize>(
     space: S,
-    mut mass_points: Vec<S::Point>,
+    mass_points: Vec<S::Point>,
     capacity: usize,
     rng: &mut dyn Rng,
     tick: Tick<'_>,
 ) -> Result<Relaxation<S, D>, Stopped> {
-    divide(space, &mut mass_points, capacity, rng);
-    let mut relaxation = Relaxation::new(space, &mass_points, capacity);
-    drop(mass_points);
-    if relaxation.sites.len() == 1 && capacity > 1 {
-        relaxation.place(0, space.random_point(rng));
-    } else {
-        relaxation.run(MAX_PASSES, tick)?;
+    if capacity == 1 || mass_points.len() > capacity {
+        return settle(space, mass_points, capacity, rng, tick);
     }
+    let mut relaxation = Relaxation::divided(space, mass_points, capacity, rng);
+    relaxation.place(0, space.random_point(rng));
+    Ok(relaxation)
+}
+
+/// Returns the relaxation as [`relax`] does, with a single site at the mean of its points.
+pub(crate) fn settle<S: MassSpace<D>, const D: usize>(
+    space: S,
+    mass_points: Vec<S::Point>,
+    capacity: usize,
+    rng: &mut dyn Rng,
+    tick: Tick<'_>,
+) -> Result<Relaxation<S, D>, Stopped> {
+    let mut relaxation = Relaxation::divided(space, mass_points, capacity, rng);
+    relaxation.run(MAX_PASSES, tick)?;
     Ok(relaxation)
 }
 
@@ -99,6 +109,17 @@ struct Progress<P> {
 }
 
 impl<S: MassSpace<D>, const D: usize> Relaxation<S, D> {
+    /// Divides mass points among sites by repeated bisection.
+    fn divided(
+        space: S,
+        mut mass_points: Vec<S::Point>,
+        capacity: usize,
+        rng: &mut dyn Rng,
+    ) -> Self {
+        divide(space, &mut mass_points, capacity, rng);
+        Self::new(space, &mass_points, capacity)
+    }
+
     /// Assigns `capacity` consecutive points to each site and places the sites near their means.
     fn new(space: S, points: &[S::Point], capacity: usize) -> Self {
         let columns = array::from_fn(|axis| {

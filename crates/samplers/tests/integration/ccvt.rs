@@ -2,12 +2,15 @@
 //! and the limits of the parameters.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rand::Rng;
 use sphvar_samplers::{
-    Ccvt, Domain, Error, MassPoints, Pattern, PointSet, Purpose, Sampler, Streams, Tessellation,
+    AdaptedCcvt, Ccvt, Domain, Error, MassPoints, Pattern, PointSet, Purpose, Sampler, Streams,
+    Tessellation,
 };
+use sphvar_warps::{ConcentricDisk, CosineHemisphere, UniformCap, VonMisesFisherLobe, Warp};
 
 fn rng(group: usize, realization: u64) -> impl Rng {
     Streams::new(11, Purpose::Pattern, group).realization(realization)
@@ -294,4 +297,54 @@ fn parameters_out_of_range_are_rejected() {
     assert!(message.contains("6 nside^2") && message.contains("got 12"), "{message}");
     assert!(Ccvt::new(3, sphere, 4, MassPoints::Healpix).is_ok());
     assert!(Ccvt::new(3, Domain::Hemisphere, 2, MassPoints::Healpix).is_ok());
+}
+
+fn adapted(n: usize, capacity: usize, density: impl Warp + 'static) -> Tessellation {
+    let ccvt = AdaptedCcvt::new(n, capacity, Arc::new(density)).unwrap();
+    ccvt.tessellate(&mut rng(n, 0), &()).unwrap()
+}
+
+#[test]
+fn an_adapted_tessellation_has_no_exchange_left() {
+    let lobe = VonMisesFisherLobe::new(30.0).unwrap();
+    for (n, capacity) in [(1, 40), (2, 100), (50, 16), (20, 1)] {
+        let tessellation = adapted(n, capacity, lobe.clone());
+        assert!(tessellation.is_settled());
+        let best = best_exchange(Domain::Sphere, &tessellation);
+        assert!(n == 1 || best < 1e-10, "{n} {capacity}: {best:e}");
+    }
+    // A single cell has a mean.
+    assert!(adapted(1, 200, lobe).sites()[0].angle_between(DVec3::Z) < 0.02);
+}
+
+/// Caps have the number of sites that the density states, but for the sites of half a ring of cells
+/// at the rim.
+#[test]
+fn adapted_sites_have_the_density() {
+    let kappa = 30.0;
+    let sites = adapted(500, 64, VonMisesFisherLobe::new(kappa).unwrap()).sites();
+    for share in [0.25f64, 0.5, 0.75] {
+        // P(z > h) = 1 - e^(-kappa (1 - h)), without the light behind.
+        let height = 1.0 + (1.0 - share).ln() / kappa;
+        let count = sites.iter().filter(|site| site.z > height).count() as f64;
+        assert!((count - 500.0 * share).abs() < 12.0, "{share}: {count}");
+    }
+}
+
+#[test]
+fn coincident_mass_has_coincident_sites() {
+    // All mass within 1e-7 radians.
+    let tessellation = adapted(30, 16, UniformCap::new(1e-7).unwrap());
+    assert!(tessellation.is_settled());
+    assert!(tessellation.sites().iter().all(|site| site.distance(DVec3::Z) < 1.1e-7));
+}
+
+#[test]
+fn adapted_tessellations_reject_what_they_cannot_have() {
+    let new = |n, capacity| AdaptedCcvt::new(n, capacity, Arc::new(CosineHemisphere));
+    assert!(matches!(new(0, 1), Err(Error::Parameter { .. })));
+    assert!(matches!(new(1, 0), Err(Error::Parameter { .. })));
+    assert!(matches!(new(1 << 20, 1 << 20), Err(Error::Parameter { .. })));
+    let disk = AdaptedCcvt::new(4, 4, Arc::new(ConcentricDisk));
+    assert!(matches!(disk, Err(Error::Given { .. })));
 }
