@@ -174,4 +174,16 @@ pub enum Error {
     /// Two images to be compared show different surfaces.
     #[error("the image shows different surfaces from the reference image")]
     OtherView,
+    /// The maps of red, green and blue differ in size or orientation.
+    #[error("the maps of red, green and blue must have the same size and first longitude")]
+    Channels,
+    /// An environment has no density.
+    #[error(transparent)]
+    Density(#[from] sphvar_warps::Error),
+    /// Coefficients of a map are unavailable.
+    #[error(transparent)]
+    Integrand(#[from] sphvar_integrands::Error),
+    /// A transform is unavailable.
+    #[error(transparent)]
+    Harmonics(#[from] sphvar_sh::Error),
 }

@@ -21,6 +21,9 @@
 //! a cosine, an environment map or a light; [`RenderErrors`] reports the errors of repeated renders
 //! relative to a reference image and their structure.
 //!
+//! [`RgbEnvironment`] is converted to directional lights, and [`IrradianceReference`] has the error of
+//! the irradiance that these cast.
+//!
 //! # Features
 //!
 //! - `serde`: serialization of [`Image`] with serde. Off by default.
@@ -28,6 +31,7 @@
 mod directions;
 mod error;
 mod geometry;
+mod lights;
 mod obj;
 mod picture;
 
@@ -46,6 +50,9 @@ pub use geometry::hit::{Hit, Reach};
 pub use geometry::mesh::Mesh;
 pub use geometry::quad::Quad;
 pub use geometry::scene::Scene;
+pub use lights::environment::RgbEnvironment;
+pub use lights::irradiance::{IrradianceError, IrradianceReference};
+pub use lights::{DirectionalLight, luminance};
 pub use obj::remarks::ObjRemarks;
 pub use picture::camera::Camera;
 pub use picture::cornell::CornellBox;

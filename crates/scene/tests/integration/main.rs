@@ -2,6 +2,7 @@
 
 mod closest_hit;
 mod exact_rays;
+mod lights;
 mod obj;
 mod occlusion;
 mod reference;
