@@ -1,6 +1,7 @@
 //! Readers and grammars as functions of bytes, for the fuzzer of the repository. This module is not
 //! part of the stable interface of the crate.
 
+mod grammars;
 mod seeds;
 
 use std::ffi::OsStr;
@@ -9,7 +10,7 @@ use std::path::Path;
 
 use clap::Parser;
 use glam::DVec3;
-use sphvar_samplers::{Domain, Pattern, PointSet};
+use sphvar_samplers::PointSet;
 use sphvar_scene::Mesh;
 use sphvar_spectrum::SpectrumAccumulator;
 
@@ -60,7 +61,7 @@ impl Target {
 pub const PLANTED: &str = "planted";
 
 /// All readers and grammars.
-pub const TARGETS: [Target; 17] = [
+pub const TARGETS: [Target; 19] = [
     Target {
         name: "points-text",
         extension: "csv",
@@ -138,22 +139,36 @@ pub const TARGETS: [Target; 17] = [
         name: "samplers",
         extension: "txt",
         is_text: true,
-        seeds: sampler_names,
-        read: samplers,
+        seeds: grammars::sampler_names,
+        read: grammars::samplers,
     },
     Target {
         name: "integrands",
         extension: "txt",
         is_text: true,
-        seeds: integrand_names,
-        read: integrand,
+        seeds: grammars::integrand_names,
+        read: grammars::integrand,
+    },
+    Target {
+        name: "warps",
+        extension: "txt",
+        is_text: true,
+        seeds: grammars::warp_names,
+        read: grammars::warps,
+    },
+    Target {
+        name: "warped-patterns",
+        extension: "txt",
+        is_text: true,
+        seeds: grammars::warped_names,
+        read: grammars::warped_pattern,
     },
     Target {
         name: "arguments",
         extension: "txt",
         is_text: true,
-        seeds: argument_lists,
-        read: arguments,
+        seeds: grammars::argument_lists,
+        read: grammars::arguments,
     },
     // Not a reader: it has one fault of each kind, to verify that they are detected.
     Target { name: PLANTED, extension: "txt", is_text: true, seeds: planted_seeds, read: planted },
@@ -337,64 +352,6 @@ fn shard(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     sums.try_merge(&same)?;
     sums.finish()?;
     Ok(())
-}
-
-fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
-    texts(&[
-        "jittered,white-noise,healpix",
-        "poisson-disk:radius=2,mode=saturated,fibonacci",
-        "step:alpha=1.2",
-        "profile:b=2,alpha=1,to=2",
-        "ccvt:capacity=64,mass=fibonacci",
-        "file:none-{n}.csv,columns=\"ra,dec\",fold=yes",
-        "spiral,sobol,halton,hammersley,lloyd,riesz,blue,best-candidate,equal-area",
-    ])
-}
-
-fn samplers(input: &[u8], _: &Path) -> Result<(), CliError> {
-    for pattern in crate::patterns::parse_patterns::<Pattern>(&text(input), true)? {
-        for domain in [Domain::Sphere, Domain::Hemisphere] {
-            let n = pattern.nearest_count(48, domain);
-            crate::patterns::build(&pattern, n, domain, true)?;
-        }
-    }
-    Ok(())
-}
-
-fn integrand_names(_: &Path) -> Vec<Vec<u8>> {
-    texts(&[
-        "cap:degrees=60",
-        "2 * ylm:l=4,m=-3 + 0.5 * cosine",
-        "rotate(cap:degrees=60, 10, 20, 30)",
-        "vmf:kappa=50 * half-space",
-        "phong:n=20 - (gaussian:sigma=0.2)",
-        "env:none.exr,channel=red",
-        "map:none.fits,field=1",
-    ])
-}
-
-fn integrand(input: &[u8], _: &Path) -> Result<(), CliError> {
-    crate::integrands::parse_integrand(&text(input), true).map(drop)
-}
-
-fn argument_lists(_: &Path) -> Vec<Vec<u8>> {
-    texts(&[
-        "compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o out",
-        "spectrum poisson-disk -n 1024 -m 200 --shard 1/2 --save a.shard",
-        "render cornell --study -n 16..1024 --mode rotated --samplers ccvt,step -o f.png --crop 1,2,3,4",
-        "choose --integrand vmf:kappa=50 --error 0.1% --hemisphere --json",
-        "healpix ang2pix --nside 8 --nested --degrees in.csv -o out.npy",
-        "bounds healpix -n 12 --profile poly:b=2,alpha=1 -s 3 -j 2",
-        "eval cap-power --degrees 60 --lmax 10",
-        "variance fibonacci -n 12 --integrand cosine -m 4 --until-rel 1%",
-    ])
-}
-
-fn arguments(input: &[u8], _: &Path) -> Result<(), CliError> {
-    let input = text(input);
-    let words = std::iter::once("sphvar").chain(input.split_whitespace());
-    // Messages of clap contain line breaks; the test is about errors of one line.
-    Cli::try_parse_from(words).map(drop).map_err(|_| CliError::Usage(String::new()))
 }
 
 fn planted_seeds(_: &Path) -> Vec<Vec<u8>> {

@@ -202,7 +202,13 @@ impl IntegrandResolver for IntegrandFiles {
     fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
         let decode = |bytes: Rc<[u8]>| Environment::decode(&wanted.file, &bytes, &wanted.picture);
         let read = self.picture(&wanted.file).and_then(decode).map_err(ResolveError::new)?;
-        self.remarks.borrow_mut().extend(read.remarks);
+        // A map that is read twice, for two interpolations, has the same remarks.
+        let mut remarks = self.remarks.borrow_mut();
+        for remark in read.remarks {
+            if !remarks.contains(&remark) {
+                remarks.push(remark);
+            }
+        }
         Ok(read.map)
     }
 
