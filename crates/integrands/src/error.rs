@@ -198,12 +198,6 @@ pub enum Error {
         /// The product.
         text: String,
     },
-    /// A warp covers the sphere, not the hemisphere.
-    #[error("this map covers the sphere; on the hemisphere take {instead}")]
-    SphereAlone {
-        /// A warp of the hemisphere.
-        instead: &'static str,
-    },
     /// A map and the cosine of a product have different axes.
     #[error(
         "the cosine of {text} must be about the pole of the map: rotate both alike, and the map \

@@ -57,7 +57,7 @@ pub fn cosine_hemisphere_pdf(dir: DVec3) -> f64 {
 }
 
 /// Returns the signed radius and the angle of the concentric map.
-fn concentric_polar(u: f64, v: f64) -> (f64, f64) {
+pub(crate) fn concentric_polar(u: f64, v: f64) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a.abs() > b.abs() {
         (a, FRAC_PI_4 * (b / a))

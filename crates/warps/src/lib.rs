@@ -9,6 +9,7 @@
 //! | [`UniformCap`] | uniform on sphere, hemisphere or a cap (Archimedes) | 2e-15 | 15 |
 //! | [`OctahedralSphere`] | uniform on the sphere (Clarberg) | 1e-15 | 17 |
 //! | [`ConcentricDisk`] | uniform on the unit disk (Shirley and Chiu) | 1e-15 | 15 |
+//! | [`ConcentricHemisphere`] | uniform on the hemisphere (Shirley and Chiu, Clarberg) | 1e-15 | 15 |
 //! | [`CosineHemisphere`] | cos(theta)/pi (Malley) | 1e-15 | 15 |
 //! | [`PhongLobe`] | cos^n(theta) | 4e-15 | 40 |
 //! | [`VonMisesFisherLobe`] | e^(kappa cos(theta)), kappa from 0 to 1e8 | 4e-15 | 26 |
@@ -59,7 +60,7 @@ mod warp;
 
 pub use archimedes::archimedes;
 pub use concentric::{concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf};
-pub use concentric_warps::{ConcentricDisk, CosineHemisphere};
+pub use concentric_warps::{ConcentricDisk, ConcentricHemisphere, CosineHemisphere};
 pub use density_map::{DensityMap, Interpolation};
 pub use error::Error;
 pub use lobes::{PhongLobe, VonMisesFisherLobe};

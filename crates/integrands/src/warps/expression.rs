@@ -22,7 +22,7 @@ pub type WarpFactor = Factor<WarpTerm>;
 /// are their shares of the points, in proportion, and equal by default. A product is a map times the
 /// cosine about its pole, `env:FILE * cosine`. The grammar is that of [`Expression`].
 ///
-/// On the hemisphere, `cylinder`, `cap` and maps are those of z >= 0. Warps after rotations that
+/// On the hemisphere, `cylinder`, `octahedral`, `cap` and maps are those of z >= 0. Warps after rotations that
 /// move +z are those of the sphere; integrands count as 0 below the horizon.
 ///
 /// # Examples

@@ -1,5 +1,5 @@
 use sphvar_grammar::Parametric;
-use sphvar_warps::{OctahedralSphere, Warp};
+use sphvar_warps::{ConcentricHemisphere, OctahedralSphere, Warp};
 
 use super::WarpDefinition;
 use crate::{Domain, Error, IntegrandResolver};
@@ -11,9 +11,10 @@ impl Parametric for Parameters {}
 
 impl WarpDefinition for Parameters {
     fn build(&self, domain: Domain, _: &dyn IntegrandResolver) -> Result<Box<dyn Warp>, Error> {
-        match domain {
-            Domain::Sphere => Ok(Box::new(OctahedralSphere)),
-            Domain::Hemisphere => Err(Error::SphereAlone { instead: "cylinder" }),
-        }
+        Ok(match domain {
+            Domain::Sphere => Box::new(OctahedralSphere),
+            // The upper half of the map, which the square fills after a rotation by 45 degrees.
+            Domain::Hemisphere => Box::new(ConcentricHemisphere),
+        })
     }
 }

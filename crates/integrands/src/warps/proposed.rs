@@ -7,8 +7,7 @@ use crate::{
 impl WarpExpression {
     /// Returns densities that resemble an integrand, the closest first: for each term of a sum its
     /// maps, also times the cosine, its lobes and caps, and the cosine; all terms of a sum, or all
-    /// factors of a product, together as strategies with equal shares; and the uniform maps of the
-    /// domain.
+    /// factors of a product, together as strategies with equal shares; and the uniform maps.
     ///
     /// A map is proposed with bilinear interpolation, to which an integrand `env:FILE` is exactly
     /// proportional, and constant on each texel. Files are not read, so a map may turn out to be 0
@@ -23,7 +22,7 @@ impl WarpExpression {
     /// let proposed = WarpExpression::proposed(&integrand, Domain::Hemisphere);
     /// let texts: Vec<String> = proposed.iter().map(WarpExpression::to_string).collect();
     /// let both = "vmf:kappa=50 @ 40/10 + cosine";
-    /// assert_eq!(texts, ["vmf:kappa=50 @ 40/10", "cosine", both, "cylinder"]);
+    /// assert_eq!(texts, ["vmf:kappa=50 @ 40/10", "cosine", both, "cylinder", "octahedral"]);
     /// # Ok::<(), sphvar_integrands::Error>(())
     /// ```
     #[must_use]
@@ -32,7 +31,7 @@ impl WarpExpression {
         let of_summands: Vec<Vec<Self>> =
             summands.iter().map(|summand| of_summand(summand, domain)).collect();
         // The closest density of each term; a constant one for terms without any.
-        let uniform = uniform(domain);
+        let uniform = [WarpTerm::Cylinder, WarpTerm::Octahedral].map(unrotated);
         let closest: Vec<Self> =
             of_summands.iter().map(|of| of.first().unwrap_or(&uniform[0]).clone()).collect();
         let mut proposed: Vec<Self> = Vec::new();
@@ -45,15 +44,6 @@ impl WarpExpression {
         }
         proposed
     }
-}
-
-/// Returns the uniform maps of a domain.
-fn uniform(domain: Domain) -> Vec<WarpExpression> {
-    let mut maps = vec![unrotated(WarpTerm::Cylinder)];
-    if domain == Domain::Sphere {
-        maps.push(unrotated(WarpTerm::Octahedral));
-    }
-    maps
 }
 
 fn unrotated(term: WarpTerm) -> WarpExpression {

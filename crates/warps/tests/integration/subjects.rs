@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use sphvar_warps::{
-    ConcentricDisk, CosineHemisphere, DensityMap, Interpolation, OctahedralSphere, Oriented,
-    PhongLobe, SphericalRectangle, SphericalTriangle, UniformCap, VonMisesFisherLobe, Warp,
+    ConcentricDisk, ConcentricHemisphere, CosineHemisphere, DensityMap, Interpolation,
+    OctahedralSphere, Oriented, PhongLobe, SphericalRectangle, SphericalTriangle, UniformCap,
+    VonMisesFisherLobe, Warp,
 };
 
 /// A map with its name.
@@ -50,6 +51,7 @@ pub(crate) fn all() -> Vec<Subject> {
         ("cap".to_owned(), Box::new(UniformCap::new(0.3).unwrap())),
         ("wide cap".to_owned(), Box::new(UniformCap::new(3.0).unwrap())),
         ("disk".to_owned(), Box::new(ConcentricDisk)),
+        ("concentric hemisphere".to_owned(), Box::new(ConcentricHemisphere)),
         ("cosine".to_owned(), Box::new(CosineHemisphere)),
         ("octahedral".to_owned(), Box::new(OctahedralSphere)),
         ("octant".to_owned(), Box::new(SphericalTriangle::OCTANT)),

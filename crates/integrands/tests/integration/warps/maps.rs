@@ -4,14 +4,13 @@ use sphvar_warps::{Support, Warp};
 
 use super::{Sky, message};
 
-/// Points of the square with its sides and corners, which are poles and seams of maps. At u = 0, the
-/// pole itself, a map has as many values as longitudes.
+/// Points of the square next to its sides and corners, which are poles and seams of maps. At u = 0 and
+/// u = 1, the poles themselves, a map has as many values as longitudes.
 fn points() -> Vec<[f64; 2]> {
-    let last = 1.0 - f64::EPSILON / 2.0;
-    let coordinates: Vec<f64> =
-        (0..23).map(|k| f64::from(k) / 23.0).chain([1e-12, 0.5, last]).collect();
-    let heights = coordinates.iter().filter(|&&u| u > 0.0);
-    heights.flat_map(|&u| coordinates.iter().map(move |&v| [u, v])).collect()
+    let inner = (1..23).map(|k| f64::from(k) / 23.0).chain([1e-12, 0.5]);
+    let heights: Vec<f64> = inner.clone().chain([1.0 - 1e-12]).collect();
+    let longitudes: Vec<f64> = inner.chain([0.0, 1.0 - f64::EPSILON / 2.0]).collect();
+    heights.iter().flat_map(|&u| longitudes.iter().map(move |&v| [u, v])).collect()
 }
 
 fn warp_of(text: &str, domain: Domain) -> std::sync::Arc<dyn Warp> {

@@ -30,6 +30,7 @@ fn densities_follow_from_the_integrand() {
                 "cosine",
                 "env:a.exr + cosine",
                 "cylinder",
+                "octahedral",
             ][..],
         ),
         // The cosine has another axis.
@@ -42,11 +43,12 @@ fn densities_follow_from_the_integrand() {
                 "cosine",
                 "env:a.exr,up=y + cosine",
                 "cylinder",
+                "octahedral",
             ],
         ),
         ("ylm:l=4", sphere, &["cylinder", "octahedral"]),
         ("3", sphere, &["cylinder", "octahedral"]),
-        ("abs-cosine", hemisphere, &["cosine", "cylinder"]),
+        ("abs-cosine", hemisphere, &["cosine", "cylinder", "octahedral"]),
         ("abs-cosine", sphere, &["cylinder", "octahedral"]),
         (
             "half-space:height=0.5",
@@ -64,11 +66,11 @@ fn densities_follow_from_the_integrand() {
                 "octahedral",
             ],
         ),
-        ("vmf:kappa=5 + vmf:kappa=5", hemisphere, &["vmf:kappa=5", "cylinder"]),
+        ("vmf:kappa=5 + vmf:kappa=5", hemisphere, &["vmf:kappa=5", "cylinder", "octahedral"]),
         (
             "filtered:fwhm=5,of=\"vmf:kappa=50 @ 40/10\" @ 20/0",
             hemisphere,
-            &["vmf:kappa=50 @ 40/10 @ 20/0", "cylinder"],
+            &["vmf:kappa=50 @ 40/10 @ 20/0", "cylinder", "octahedral"],
         ),
     ] {
         assert_eq!(proposed(text, domain), expected, "{text}");
