@@ -89,7 +89,8 @@ pub use student::student_quantile;
 pub use trials::Trials;
 pub use visible_half::{CutAxis, VisibleHalfMeasurement, measure_visible_half};
 pub use warped::{
-    LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor, WarpedText,
+    LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor, WarpedRealizations,
+    WarpedText, best_shares,
 };
 
 #[cfg(doctest)]

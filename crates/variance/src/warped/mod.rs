@@ -4,12 +4,16 @@ mod comparison;
 mod pattern;
 mod point;
 mod predictor;
+mod realizations;
+mod shares;
 mod text;
 
 pub use comparison::{LargestSeen, WarpedComparison};
 pub use pattern::WarpedPattern;
 pub use point::WarpedPoint;
 pub use predictor::WarpedPredictor;
+pub use realizations::WarpedRealizations;
+pub use shares::best_shares;
 pub use text::WarpedText;
 
 /// Returns the number that distinguishes the random streams of a strategy from those of others with

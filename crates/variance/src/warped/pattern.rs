@@ -100,7 +100,7 @@ impl WarpedPattern {
     }
 
     /// Returns the number of points of each strategy at [`nearest_count`](Self::nearest_count) of
-    /// `n`: the valid counts nearest to the shares.
+    /// `n`: the valid counts nearest to the shares, at least one point each.
     #[must_use]
     pub fn counts(&self, n: usize) -> Vec<usize> {
         let shares = self.warp.shares();
@@ -119,8 +119,7 @@ impl WarpedPattern {
     }
 
     fn rounded(&self, shares: &[f64], n: usize) -> Vec<usize> {
-        let part = |share: &f64| if shares.len() == 1 { n } else { rounded_share(*share, n) };
-        shares.iter().map(|share| self.pattern.nearest_count(part(share))).collect()
+        apportioned(shares, n).into_iter().map(|part| self.pattern.nearest_count(part)).collect()
     }
 
     /// Returns the valid number of points next to `requested`; never 0, and never decreasing.
@@ -175,13 +174,35 @@ fn total(counts: &[usize]) -> usize {
     counts.iter().fold(0, |sum: usize, n| sum.saturating_add(*n))
 }
 
+/// Returns whole numbers of at least 1 in proportion to shares, of sum `n` unless that is below their
+/// number, by the method of Webster and Sainte-Lague. No part decreases as n grows.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a share of n is positive, and the cast saturates"
 )]
-fn rounded_share(share: f64, n: usize) -> usize {
-    (share * n as f64).round() as usize
+fn apportioned(shares: &[f64], n: usize) -> Vec<usize> {
+    if shares.len() == 1 {
+        return vec![n];
+    }
+    let near = |share: &f64| ((share * n as f64).round() as usize).max(1);
+    let mut parts: Vec<usize> = shares.iter().map(near).collect();
+    // The share for each point, with half of the last or of the next one counted.
+    let quotient = |parts: &[usize], i: usize, half: f64| shares[i] / (parts[i] as f64 + half);
+    let by = |parts: &[usize], a: usize, b: usize, half: f64| {
+        quotient(parts, a, half).total_cmp(&quotient(parts, b, half))
+    };
+    while total(&parts) < n {
+        let next = (0..shares.len()).rev().max_by(|&a, &b| by(&parts, a, b, 0.5));
+        let Some(next) = next else { break };
+        parts[next] += 1;
+    }
+    while total(&parts) > n {
+        let reducible = (0..shares.len()).rev().filter(|&i| parts[i] > 1);
+        let Some(last) = reducible.min_by(|&a, &b| by(&parts, a, b, -0.5)) else { break };
+        parts[last] -= 1;
+    }
+    parts
 }
 
 /// Reads texts whose pattern needs no file.

@@ -23,7 +23,7 @@ use crate::{
 ///
 /// ```
 /// use sphvar_integrands::{
-///     Cosine, Domain, Heuristic, NoFiles, PulledBack, Tolerance,
+///     ClampedCosine, Domain, NoFiles, PulledBack, Tolerance,
 /// };
 /// use sphvar_variance::{PredictionBudget, Trials, WarpedPattern, WarpedPredictor};
 ///
@@ -31,7 +31,7 @@ use crate::{
 /// let (domain, tolerance) = (Domain::Hemisphere, Tolerance::default());
 /// let strategies = pattern.warp.strategies(domain, &NoFiles)?;
 /// let pulled_back =
-///     PulledBack::of_strategies(&Cosine, domain, &strategies, pattern.heuristic, tolerance)?;
+///     PulledBack::of_strategies(&ClampedCosine, domain, &strategies, pattern.heuristic, tolerance)?;
 /// let mut predictor = WarpedPredictor::new(&pulled_back, 0, PredictionBudget::DEFAULT)?;
 /// let compared = predictor.compare(&pattern, 64, Trials::new(400), &())?;
 /// assert!(compared.comparison.z_score().abs() < 4.0);

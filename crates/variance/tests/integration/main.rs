@@ -14,3 +14,4 @@ mod predictions;
 mod square;
 mod sums;
 mod tails;
+mod warped;
