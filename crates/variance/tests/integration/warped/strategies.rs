@@ -1,7 +1,7 @@
 //! Several densities, each with points of its own.
 
 use glam::DVec3;
-use sphvar_integrands::{Domain, Heuristic, Strategy};
+use sphvar_integrands::{Domain, Heuristic, Integrand, Strategy};
 use sphvar_samplers::Purpose;
 use sphvar_variance::{
     Candidate, Error, Goal, PredictionBudget, SquarePredictor, Trials, WarpedPattern,
@@ -15,9 +15,12 @@ const FUNCTION: &str = "vmf:kappa=6 @ 60/0 + 0.1 * cap:degrees=180";
 
 /// Returns `int w_i^2 f^2/p_i - (int w_i f)^2` of every strategy, the variances of single points,
 /// by a sum over directions that knows nothing of the maps.
-fn variances_of_points(strategies: &[Strategy], heuristic: Heuristic) -> Vec<f64> {
-    let (rows, columns) = (400, 400);
-    let function = integrand(FUNCTION);
+fn variances_of_points(
+    function: &dyn Integrand,
+    strategies: &[Strategy],
+    heuristic: Heuristic,
+) -> Vec<f64> {
+    let (rows, columns) = (200, 200);
     let area = 4.0 * std::f64::consts::PI / f64::from(rows * columns);
     let exponent = if heuristic == Heuristic::Balance { 1 } else { 2 };
     let mut sums = vec![(0.0, 0.0); strategies.len()];
@@ -42,7 +45,7 @@ fn variances_of_points(strategies: &[Strategy], heuristic: Heuristic) -> Vec<f64
 }
 
 /// White noise has the variance `sum_i (int w_i^2 f^2/p_i - (int w_i f)^2)/N_i` (Veach 1997,
-/// equation 9.5). The sum over directions is accurate to 1e-4.
+/// equation 9.5). The sum over directions is accurate to 3e-4.
 #[test]
 fn independent_points_have_the_variance_of_veach() {
     for heuristic in ["balance", "power"] {
@@ -55,16 +58,16 @@ fn independent_points_have_the_variance_of_veach() {
             let functions = pulled_back(&*function, Domain::Sphere, &pattern);
             let mut predictor = WarpedPredictor::new(&functions, 0, BUDGET).unwrap();
             let strategies = pattern.warp.strategies(Domain::Sphere, &Map).unwrap();
-            let points = variances_of_points(&strategies, pattern.heuristic);
+            let points = variances_of_points(&*function, &strategies, pattern.heuristic);
             for n in [10, 100] {
                 let n = pattern.nearest_count(n);
                 let counts = pattern.counts(n);
                 let each = points.iter().zip(&counts).map(|(variance, n)| variance / *n as f64);
                 let expected: f64 = each.sum();
                 let got = predictor.predict(&pattern, n, &()).unwrap().prediction;
-                let error = 3e-4 * expected + 3.0 * got.total_stderr();
+                let error = 1e-3 * expected + 3.0 * got.total_stderr();
                 assert!((got.variance - expected).abs() < error, "{text}: {got:?}, {expected}");
-                assert!(got.total_stderr() < 0.1 * expected, "{text}: {got:?}");
+                assert!(got.total_stderr() < 0.01 * expected, "{text}: {got:?}");
             }
             let shares = pattern.warp.shares();
             let white: f64 = points.iter().zip(&shares).map(|(v, share)| v / (share * 50.0)).sum();
@@ -92,11 +95,12 @@ fn strategies_add_their_variances() {
         assert_eq!(pattern.nearest_count(n), n, "{text}");
         let function = integrand(FUNCTION);
         let functions = pulled_back(&*function, Domain::Sphere, &pattern);
-        let mut predictor = WarpedPredictor::new(&functions, 3, BUDGET).unwrap();
+        let budget = PredictionBudget { relative: 0.04, work: 1e6 };
+        let mut predictor = WarpedPredictor::new(&functions, 3, budget).unwrap();
         let point = predictor.predict(&pattern, n, &()).unwrap();
         let mut sum = 0.0;
         for (i, n) in pattern.counts(n).into_iter().enumerate() {
-            let mut alone = SquarePredictor::new(&functions[i], 3, BUDGET).unwrap();
+            let mut alone = SquarePredictor::new(&functions[i], 3, budget).unwrap();
             let sampler = pattern.pattern.build(n).unwrap();
             let own = alone.predict(&*sampler, &()).unwrap().prediction;
             let got = point.strategies[i].prediction;
@@ -106,7 +110,7 @@ fn strategies_add_their_variances() {
             sum += got.variance;
         }
         assert!((point.prediction.variance / sum - 1.0).abs() < 1e-12, "{text}");
-        let got = predictor.measure(&point.prediction, &pattern, n, Trials::new(500), &()).unwrap();
+        let got = predictor.measure(&point.prediction, &pattern, n, Trials::new(300), &()).unwrap();
         let (z, bias) = (got.comparison.z_score(), got.comparison.bias());
         assert!(z.abs() < 5.0, "{text}: z {z}, {:?}", got.comparison.ratio());
         assert_eq!(got.comparison.n_points, n);
@@ -189,9 +193,9 @@ fn the_best_shares_are_those_of_all_shares() {
     let function = integrand("vmf:kappa=20 @ 60/0 + 4 * vmf:kappa=5 @ 120/90");
     let pattern = warped("white-square:warp=\"vmf:kappa=20 @ 60/0 + vmf:kappa=5 @ 120/90\"");
     let mut variance = |pattern: &WarpedPattern| {
-        let functions = pulled_back(&*function, Domain::Sphere, pattern);
-        let predictor = WarpedPredictor::new(&functions, 0, BUDGET)?;
-        Ok(predictor.white_variance(pattern, 100))
+        let strategies = pattern.warp.strategies(Domain::Sphere, &Map)?;
+        let points = variances_of_points(&*function, &strategies, pattern.heuristic);
+        Ok(points.iter().zip(&strategies).map(|(v, s)| v / (100.0 * s.share)).sum())
     };
     let all: Vec<f64> = (1..20)
         .map(|i| {
@@ -202,11 +206,11 @@ fn the_best_shares_are_those_of_all_shares() {
         .collect();
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
     let (best, got) = best_shares(&pattern, &mut variance).unwrap();
-    assert_eq!(got, least, "{best}: {all:?}");
+    assert!((got / least - 1.0).abs() < 1e-12, "{best}: {all:?}");
     assert!(all[9] > least, "{all:?}");
     // The text has exactly these shares.
     let again: WarpedPattern = best.to_string().parse().unwrap();
-    assert_eq!(variance(&again).unwrap(), got);
+    assert!((variance(&again).unwrap() / got - 1.0).abs() < 1e-12);
     let error = best_shares(&pattern, &mut |_| Err(Error::Heuristic { text: String::new() }));
     assert!(error.is_err());
     let many = vec!["cylinder"; 64].join(" + ");
@@ -226,8 +230,9 @@ fn several_strategies_have_curves_and_required_points() {
     let goal = Goal::Variance { variance, max_points: 100_000 };
     let got = Candidate::new(pattern.clone(), goal, &mut predictor, &()).unwrap();
     let n = got.n_points.unwrap();
-    assert!(n % 2 == 0 && predictor.white_variance(&pattern, n) <= variance);
-    assert!(predictor.white_variance(&pattern, n - 2) > variance, "{n}");
-    let got = Candidate::new(pattern, Goal::Points(101), &mut predictor, &()).unwrap();
-    assert_eq!(got.n_points, Some(100));
+    let mut at = |n: usize| predictor.predict(&pattern, n, &()).unwrap().prediction.variance;
+    assert!(at(n) <= variance && at(n - 1) > variance, "{n}");
+    let got = Candidate::new(pattern.clone(), Goal::Points(101), &mut predictor, &()).unwrap();
+    assert_eq!(got.n_points, Some(101));
+    assert_eq!(got.curve.at(101).unwrap().strategies[0].n_points(), 51);
 }
