@@ -17,7 +17,9 @@ use crate::memory::check_points;
 use crate::report::say;
 use crate::spec::Spec;
 
-pub(crate) use self::direction_sampler::{DirectionSampler, parse_sampler, parse_samplers};
+pub(crate) use self::direction_sampler::{
+    DirectionSampler, build_warped, parse_sampler, parse_samplers,
+};
 pub(crate) use self::pattern_files::PatternFiles;
 pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effective};
 pub(crate) use self::sampler_name::SamplerName;

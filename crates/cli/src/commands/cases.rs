@@ -6,7 +6,6 @@ use sphvar_variance::{IntegrationSpace, Trials, WarpedPattern};
 use super::rows::Effort;
 use crate::error::CliError;
 use crate::flags::missing_count;
-use crate::memory::check_points;
 use crate::patterns::{self, DirectionSampler, PredictedPattern, SamplerRef};
 
 /// One pattern at one number of points.
@@ -76,17 +75,7 @@ pub(super) struct WarpedCase {
 impl WarpedCase {
     /// Returns the pattern with `requested` points, or with the nearest valid count.
     fn new(pattern: &WarpedPattern, requested: usize, nearest: bool) -> Result<Self, CliError> {
-        let nearest = nearest || pattern.own_count().is_some();
-        let n_points =
-            if nearest && requested > 0 { pattern.nearest_count(requested) } else { requested };
-        check_points(n_points)?;
-        pattern.samplers(n_points).map_err(|error| match error {
-            sphvar_variance::Error::Total { .. }
-            | sphvar_variance::Error::Spectrum(sphvar_spectrum::Error::Sampler(
-                sphvar_samplers::Error::InvalidCount { .. },
-            )) => CliError::Usage(format!("{error} (use --nearest)")),
-            error => CliError::usage(error),
-        })?;
+        let (n_points, _) = patterns::build_warped(pattern, requested, nearest)?;
         Ok(Self { pattern: pattern.clone(), requested, n_points })
     }
 

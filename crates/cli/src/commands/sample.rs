@@ -2,23 +2,26 @@
 
 pub(crate) mod realized_sets;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glam::DVec3;
 use sphvar_samplers::{
     Domain, Ensemble, Pattern, Purpose, Realizations, SetDistribution, Square, SquareDistribution,
     SquarePattern, SquareRealizations, Streams,
 };
+use sphvar_variance::{WarpedPattern, WarpedRealizations};
 
 use self::realized_sets::RealizedSets;
 use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::flags::{
-    CountArgs, DomainArgs, NearestArgs, ONE_DOMAIN, SHIFTED, SamplerArgs, SquareArgs,
+    CountArgs, DomainArgs, NearestArgs, ONE_DOMAIN, SHIFTED, SamplerArgs, SquareArgs, missing_count,
 };
 use crate::global::Global;
-use crate::patterns;
-use crate::plots::{OrthographicView, SquareView};
+use crate::integrands::strategies_of;
+use crate::patterns::{self, DirectionSampler};
+use crate::plots::{OrthographicView, PlotError, SquareView};
 use crate::point_sets::{RotatedSets, ShiftedSets};
 use crate::report::say;
 
@@ -31,7 +34,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
   sphvar sample file:points.csv -o points.ply       (your own points in another format)
-  sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)";
+  sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)
+  sphvar sample sobol:warp=cosine -n 256 --hemisphere -o cosine.npz       (points with weights 1/(N p) for a density p)
+  sphvar sample 'r2:warp=\"env:data/city.exr\"' -n 256 -o importance.csv   (by the luminance of an environment map)";
 
 #[derive(Debug, Args)]
 #[command(
@@ -52,7 +57,7 @@ pub(crate) struct SampleArgs {
     pub(crate) realizations: Option<usize>,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
-    /// Apply an independent uniform random rotation to every realization
+    /// Apply an independent uniform random rotation to every realization (not of warped patterns, which are shifted before they are mapped)
     #[arg(long)]
     pub(crate) rotate: bool,
     #[command(flatten)]
@@ -78,17 +83,18 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         ("--rotate", args.rotate, SHIFTED),
     ])?;
     if args.square.square {
-        sample_square(sampler, args, global)
-    } else {
-        sample_directions(sampler, args, global)
+        return sample_square(sampler, args, global);
+    }
+    match patterns::parse_sampler(sampler, global.quiet)? {
+        DirectionSampler::Uniform(pattern) => sample_uniform(&pattern, args, global),
+        DirectionSampler::Warped(pattern) => sample_warped(&pattern, args, global),
     }
 }
 
-fn sample_directions(sampler: &str, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
+fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let domain = args.domain.domain();
-    let (pattern, sampler) =
-        patterns::sampler_of::<Pattern, _>(sampler, n, domain, nearest, global.quiet)?;
+    let sampler = patterns::nearest_sampler(pattern, n, domain, nearest, global.quiet)?;
     let last_empty_degree = sampler.last_empty_degree();
     let remark = last_empty_degree.map(|last| no_power(last, sampler.domain()));
     if let Some(empty) = &remark {
@@ -117,9 +123,58 @@ fn sample_directions(sampler: &str, args: &SampleArgs, global: &Global) -> Resul
         set_work: sampler.nominal_work(),
         last_empty_degree,
         remark,
-        picture: |title, notes, points, path| {
-            OrthographicView { title, notes, ..OrthographicView::default() }.render(points, path)
-        },
+        picture: sphere_picture,
+    };
+    sets.write(args, global)
+}
+
+/// Draws directions on the visible hemisphere.
+fn sphere_picture(
+    title: String,
+    notes: Vec<String>,
+    points: &[DVec3],
+    path: &Path,
+) -> Result<(), PlotError> {
+    OrthographicView { title, notes, ..OrthographicView::default() }.render(points, path)
+}
+
+fn sample_warped(
+    pattern: &WarpedPattern,
+    args: &SampleArgs,
+    global: &Global,
+) -> Result<(), CliError> {
+    if args.rotate {
+        let advice =
+            "warped patterns are shifted on the square before they are mapped, not rotated";
+        return Err(CliError::Usage(format!("--rotate does not apply to {pattern}: {advice}")));
+    }
+    let requested = args.count.count.or(pattern.own_count()).ok_or_else(missing_count)?;
+    let (n_points, samplers) = patterns::build_warped(pattern, requested, args.nearest.nearest)?;
+    if n_points != requested {
+        let label = pattern.label();
+        let remark = format!(
+            "{label}: {n_points} points, the valid count nearest to the requested {requested}"
+        );
+        say(global.quiet, &remark);
+    }
+    let all = strategies_of(&[&pattern.warp], args.domain.domain(), global.quiet)?;
+    let drawn = WarpedRealizations::new(
+        &all[0],
+        pattern.heuristic,
+        &samplers,
+        global.seed,
+        Purpose::Pattern,
+    );
+    let sets = RealizedSets {
+        sampler: pattern.to_string(),
+        label: pattern.label(),
+        n_points,
+        given: None,
+        ensemble: &drawn,
+        set_work: pattern.trial_work(n_points),
+        last_empty_degree: None,
+        remark: Some("weights 1/(N p)".to_owned()),
+        picture: sphere_picture,
     };
     sets.write(args, global)
 }

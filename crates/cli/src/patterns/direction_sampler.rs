@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use sphvar_samplers::{Pattern, SquarePattern};
+use sphvar_samplers::{Pattern, SquarePattern, SquareSampler};
 use sphvar_variance::{Error, WarpedPattern};
 
 use super::{
@@ -11,6 +11,7 @@ use super::{
     with_distinct_labels,
 };
 use crate::error::CliError;
+use crate::memory::check_points;
 use crate::spec::Spec;
 
 /// A sampler of directions by which integrals are estimated.
@@ -91,4 +92,24 @@ fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
         }
         error => CliError::Usage(format!("{text}: {error}")),
     })
+}
+
+/// Returns the samplers of the strategies of a warped pattern with `n` points or, if `nearest`, with
+/// the nearest valid count, and that number; for a single file, its own.
+pub(crate) fn build_warped(
+    pattern: &WarpedPattern,
+    n: usize,
+    nearest: bool,
+) -> Result<(usize, Vec<Box<dyn SquareSampler>>), CliError> {
+    let nearest = nearest || pattern.own_count().is_some();
+    let n = if nearest && n > 0 { pattern.nearest_count(n) } else { n };
+    check_points(n)?;
+    let samplers = pattern.samplers(n).map_err(|error| match error {
+        Error::Total { .. }
+        | Error::Spectrum(sphvar_spectrum::Error::Sampler(
+            sphvar_samplers::Error::InvalidCount { .. },
+        )) => CliError::Usage(format!("{error} (use --nearest)")),
+        error => CliError::usage(error),
+    })?;
+    Ok((n, samplers))
 }

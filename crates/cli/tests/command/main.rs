@@ -40,5 +40,6 @@ mod shards;
 mod square;
 mod square_variances;
 mod targets;
+mod warped_samples;
 mod weights;
 mod workplace;
