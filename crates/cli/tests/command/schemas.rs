@@ -137,7 +137,7 @@ fn documents_fit_their_schema() {
     let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");
     let runs: Vec<(&str, String)> = [
-        ("accuracy", "accuracy harmonics --quick"),
+        ("accuracy", "accuracy weights --quick"),
         ("audit", "audit jittered -n 12 -m 30 --lmax 3 --alpha 0.1"),
         ("audit", "audit --points p.npy --lmax 3 --alpha 0.1"),
         ("audit", "audit healpix -n 12 -m 30 --lmax 3 --alpha 0.2"),
@@ -164,7 +164,7 @@ fn documents_fit_their_schema() {
         ("list", "list --square"),
         ("merge", "merge a.shard b.shard"),
         ("quality", "quality fibonacci -n 60"),
-        ("quality", "quality jittered,healpix -n 12 -m 2 --rank --hemisphere --nearest"),
+        ("quality", "quality jittered -n 12 -m 2 --rank --hemisphere --nearest"),
         ("quality --square", "quality sobol,square.csv --square -n 8"),
         ("quality --square", "quality jittered-square --square -n 9 -m 3"),
         ("reproduce", "reproduce 3.1 C.1 --quick -o thesis"),

@@ -248,13 +248,13 @@ fn results_of_a_killed_comparison_are_replaced() {
     place.write("out/.sphvar.lock", lock);
     place.run(other).fails(1, &["the results of another run", "spiral -n 30", "--force"]);
     // Whenever a run is killed, another comparison is possible unless the results are complete.
-    for delay in 0..6 {
+    for delay in [0, 16, 40] {
         fs::remove_dir_all(place.path("out")).unwrap();
         let mut child = place.command(one).spawn().unwrap();
         while !place.path("out/comparison.csv").exists() && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
-        std::thread::sleep(std::time::Duration::from_millis(8 * delay));
+        std::thread::sleep(std::time::Duration::from_millis(delay));
         child.kill().unwrap();
         child.wait().unwrap();
         if place.path("out/comparison.json").exists() {
