@@ -24,6 +24,9 @@
 //!   [`SquarePattern`](samplers::SquarePattern), [`SquareIntegrand`](integrands::SquareIntegrand),
 //!   [`ExactSquareSpectrum`](spectrum::ExactSquareSpectrum) and
 //!   [`SquarePredictor`](variance::SquarePredictor).
+//! - Importance sampling: [`WarpExpression`](integrands::WarpExpression) names densities,
+//!   [`PulledBack`](integrands::PulledBack) is an integrand divided by one, and
+//!   [`WarpedPredictor`](variance::WarpedPredictor) predicts and measures its variance.
 //! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
 //! - [`grammar`]: specifications of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
@@ -58,8 +61,8 @@ pub mod prelude {
     pub use rand::RngExt;
     pub use sphvar_integrands::{
         AdaptiveFunction, Cap, Energy, EnvironmentMap, FittedFunction, Harmonic, Integrand,
-        PhongLobe, Product, Rotated, SampledFunction, Sum, Tolerance, VectorIntegrand,
-        VonMisesFisher,
+        PhongLobe, Product, PulledBack, Rotated, SampledFunction, Sum, Tolerance, VectorIntegrand,
+        VonMisesFisher, WarpExpression,
     };
     pub use sphvar_samplers::{
         Domain, FnPattern, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
@@ -69,9 +72,10 @@ pub mod prelude {
     pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
     pub use sphvar_variance::{
         Candidate, Comparison, Goal, Integral, IntegrationOptions, PredictedPoint, Prediction,
-        PredictionBudget, Predictor, Trials, fit_rate, integrate, integrate_vector, rank,
-        required_points,
+        PredictionBudget, Predictor, Trials, WarpedPattern, WarpedPredictor, fit_rate, integrate,
+        integrate_vector, rank, required_points,
     };
+    pub use sphvar_warps::Warp;
 }
 
 #[cfg(doctest)]
