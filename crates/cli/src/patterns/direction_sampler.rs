@@ -77,7 +77,8 @@ pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler,
     }
 }
 
-fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
+/// Rejects the names of patterns of the sphere, which cannot be mapped to a density.
+pub(crate) fn check_square_pattern(text: &str) -> Result<(), CliError> {
     let name = text.split(':').next().unwrap_or_default();
     if Pattern::is_name(name) && !SquarePattern::is_name(name) {
         let known: Vec<&str> = SquarePattern::known().map(|pattern| pattern.name()).collect();
@@ -86,6 +87,11 @@ fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
             known.join(", ")
         )));
     }
+    Ok(())
+}
+
+fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
+    check_square_pattern(text)?;
     WarpedPattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
         Error::Spectrum(sphvar_spectrum::Error::Sampler(error)) => {
             error_of_pattern::<SquarePattern>(text, error)

@@ -40,6 +40,7 @@ mod shards;
 mod square;
 mod square_variances;
 mod targets;
+mod warped_renders;
 mod warped_samples;
 mod weights;
 mod workplace;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
-use sphvar_warps::{Measure, Warp, WarpSample};
+use sphvar_warps::{CosineHemisphere, Measure, Warp, WarpSample};
 
 use super::frame::frame;
 use super::light_warp::LightWarp;
@@ -39,6 +39,12 @@ pub(crate) enum LocalDensity<'a> {
 }
 
 impl Density {
+    /// Returns the density cos(theta)/pi about the normal.
+    #[must_use]
+    pub fn cosine() -> Self {
+        Self::Surface(Arc::new(CosineHemisphere))
+    }
+
     /// Nominal work of a direction: the time of a sample of the slowest map of each kind, see the
     /// crate `warps`.
     pub(crate) fn nominal_work(&self) -> f64 {

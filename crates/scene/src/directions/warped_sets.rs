@@ -3,6 +3,7 @@ use std::f64::consts::TAU;
 use rand::{Rng, RngExt};
 use sphvar_integrands::Heuristic;
 use sphvar_samplers::{PointSet, Streams, shift, uniform_shift};
+use sphvar_warps::WarpSample;
 
 use super::density::LocalDensity;
 use crate::{Density, DirectionSets, Directions, Error, SetWeight, ShadingPoint};
@@ -60,24 +61,17 @@ impl WarpedSets {
         Self { densities, heuristic, n_points, own_work, streams, first_stream }
     }
 
-    /// Returns w/p for a direction that density `strategy` drew with density `drawn`, where w is its
-    /// weight in the heuristic.
-    fn weight_over_density(
-        &self,
-        strategy: usize,
-        drawn: f64,
-        others: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let share = |i: usize| self.densities[i].share;
-        let own = share(strategy) * drawn;
-        // Relative to this density, so that squares neither overflow nor underflow.
-        let ratio = |i: usize| if i == strategy { 1.0 } else { share(i) * others(i) / own };
-        let ratios = (0..self.densities.len()).map(ratio);
-        let sum: f64 = match self.heuristic {
-            Heuristic::Balance => ratios.sum(),
-            Heuristic::Power => ratios.map(|ratio| ratio * ratio).sum(),
-        };
-        1.0 / (drawn * sum)
+    /// Returns the weight of the heuristic for a sample of density `own`.
+    fn weight(&self, own: usize, sample: WarpSample, local: &[LocalDensity<'_>]) -> f64 {
+        if local.len() == 1 {
+            return 1.0;
+        }
+        let pairs = self.densities.iter().zip(local).enumerate();
+        let scaled = pairs.map(|(k, (sampled, density))| {
+            let density = if k == own { sample.density } else { density.density(sample.point) };
+            sampled.share * density
+        });
+        self.heuristic.weight(own, &scaled.collect::<Vec<f64>>())
     }
 }
 
@@ -108,11 +102,10 @@ impl Directions for WarpedSets {
                 if !(at.normal().dot(dir) > 0.0 && sample.density > 0.0) {
                     continue;
                 }
-                let inverse_density =
-                    self.weight_over_density(strategy, sample.density, |i| local[i].density(dir));
                 let share = set.weights.get(k).copied().unwrap_or(1.0 / set.len() as f64);
                 directions.points.push(dir);
-                directions.weights.push(share * inverse_density);
+                let weight = self.weight(strategy, sample, &local);
+                directions.weights.push(share * weight / sample.density);
             }
         }
         // The weights estimate steradians, and the integrals are means over the hemisphere.

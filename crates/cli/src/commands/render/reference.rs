@@ -2,9 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use sphvar_scene::{DirectionPlan, Estimator, Image, pixel_work, render};
+use sphvar_integrands::Heuristic;
+use sphvar_samplers::SquarePattern;
+use sphvar_scene::{Density, DirectionPlan, Estimator, Image, WarpedPlan, render};
 
 use super::RenderArgs;
+use super::plan::Plan;
 use super::reference_file::{ReferenceFile, Stored};
 use super::stage::Stage;
 use crate::error::CliError;
@@ -17,23 +20,42 @@ use crate::report::say;
 /// errors fall as N^-1.5, its error is 1 % of the picture's.
 const SUFFICIENT_FACTOR: usize = 20;
 
+/// The default minimum number of directions at each pixel, uniform ones and those of densities, which
+/// take longer and have a smaller variance.
+pub(super) const UNIFORM_DIRECTIONS: usize = 32768;
+pub(super) const WARPED_DIRECTIONS: usize = 8192;
+
 /// A requested reference image.
 pub(super) struct Reference {
-    plan: DirectionPlan,
+    plan: Plan,
     file: Option<ReferenceFile>,
     quiet: bool,
 }
 
 impl Reference {
-    /// Checks the request.
-    pub(super) fn new(args: &RenderArgs, stage: &Stage, global: &Global) -> Result<Self, CliError> {
-        let plan = DirectionPlan::reference(args.reference_count, global.seed)
-            .map_err(|e| CliError::Usage(format!("--reference-count: {e}")))?;
-        let directions = size_of::<glam::DVec3>() as f64 * plan.n_points() as f64;
-        let at_once = plan.n_sets() as f64 + rayon::current_num_threads() as f64;
-        check_memory("--reference-count", directions * at_once)?;
+    /// Checks the request. If the densities of the integral are known and `is_warped`, directions
+    /// are drawn from them: uniform ones would have a larger error than the picture.
+    pub(super) fn new(
+        args: &RenderArgs,
+        stage: &Stage,
+        is_warped: bool,
+        global: &Global,
+    ) -> Result<Self, CliError> {
+        let densities = if is_warped { stage.densities() } else { None };
+        let (plan, kind) = match densities {
+            None => {
+                let n = args.reference_count.unwrap_or(UNIFORM_DIRECTIONS);
+                (DirectionPlan::reference(n, global.seed).map(Plan::Uniform), "")
+            }
+            Some(densities) => {
+                let n = args.reference_count.unwrap_or(WARPED_DIRECTIONS);
+                (warped(densities, n, global.seed).map(Plan::Warped), " of densities")
+            }
+        };
+        let plan = plan.map_err(|e| CliError::Usage(format!("--reference-count: {e}")))?;
+        check_memory("--reference-count", plan.bytes())?;
         let description = format!(
-            "program {}\nseed {} directions {}\n{}",
+            "program {}\nseed {} directions {}{kind}\n{}",
             env!("CARGO_PKG_VERSION"),
             global.seed,
             plan.n_points(),
@@ -89,14 +111,33 @@ impl Reference {
     fn make(&self, stage: &Stage) -> Result<Image, CliError> {
         let view = stage.view()?;
         let n_pixels = view.region().width * view.region().height;
-        let work = n_pixels as f64 * pixel_work(self.plan.n_points());
+        let work = n_pixels as f64 * self.plan.pixel_work();
         let progress = Progress::new(work, self.quiet);
         progress.stage("reference image");
         let sets = self.plan.prepare(0).map_err(CliError::failed)?;
         stage
-            .with_integral(|integral| render(&view, integral, Estimator::Ratio, &sets, &progress))
+            .with_integral(|integral| render(&view, integral, Estimator::Ratio, &*sets, &progress))
             .map_err(CliError::failed)
     }
+}
+
+/// Returns the plan of at least `n_points` jittered directions of densities.
+fn warped(
+    densities: Vec<(Density, f64)>,
+    n_points: usize,
+    seed: u64,
+) -> Result<WarpedPlan, sphvar_scene::Error> {
+    if n_points == 0 {
+        let (name, range) = ("the number of directions", "at least 1");
+        return Err(sphvar_scene::Error::Setting { name, range, got: 0.0 });
+    }
+    let pattern = SquarePattern::JitteredSquare;
+    // Valid counts are squares; the next one for each density.
+    let each = n_points.div_ceil(densities.len());
+    let side = each.isqrt() + usize::from(each.isqrt().pow(2) < each);
+    let n_points = side.saturating_mul(side).saturating_mul(densities.len());
+    let plan = WarpedPlan::new(pattern, densities, n_points, Heuristic::Balance, seed)?;
+    Ok(plan.into_reference())
 }
 
 /// Returns the folder `sphvar` in the user's cache, if the system names one.

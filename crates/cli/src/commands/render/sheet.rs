@@ -2,11 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_scene::{DirectionMode, Image};
+use sphvar_scene::Image;
 
 use super::colours::grey;
+use super::exposure::white;
 use super::reference::Reference;
-use super::single::{ErrorRecord, white};
+use super::sampler::RenderSampler;
+use super::single::ErrorRecord;
 use super::stage::{PANEL_SIZE, Stage};
 use super::trials::{Outcome, Trials};
 use super::{RenderArgs, parse_mode};
@@ -14,7 +16,6 @@ use crate::error::CliError;
 use crate::files::{AtomicFile, PictureFormat, write_png};
 use crate::global::Global;
 use crate::memory::check_memory;
-use crate::patterns::parse_pattern;
 use crate::plots::{ContactSheet, SheetPanel};
 use crate::progress::Progress;
 use crate::report::{Column, Document, Provenance, is_stdout, number, print, table_of};
@@ -59,13 +60,14 @@ struct PanelRecord {
 
 impl PanelRecord {
     /// Returns the columns of a table.
-    fn columns() -> [Column<'static, Self>; 7] {
+    fn columns() -> [Column<'static, Self>; 8] {
         [
             Column::text("sampler", |r: &Self| r.label.clone()),
             Column::text("mode", |r: &Self| r.mode.to_owned()),
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
             Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
+            Column::number("firefly", |r: &Self| number::ratio(r.errors.firefly)),
             Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
             Column::number("correlation", |r: &Self| number::ratio(r.errors.autocorrelation)),
         ]
@@ -88,13 +90,27 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     }
     AtomicFile::check(path)?;
     let counts = args.counts.counts.as_ref().map_or(&[DEFAULT_COUNT][..], |counts| counts.all());
+    let panels: Result<Vec<_>, CliError> = Spec::parse_list(panels)?
+        .iter()
+        .map(|spec| Ok(sampler(args, &spec.text, global)?))
+        .collect();
+    let panels = panels?;
+    let samplers = || panels.iter().flatten();
+    args.check_mode(samplers())?;
+    let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
+    let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
     let mut requests = Vec::new();
     for &n in counts {
-        for spec in Spec::parse_list(panels)? {
-            requests.push(request(args, &spec.text, n, global)?);
+        for panel in &panels {
+            requests.push(match panel {
+                None => Requested::Reference,
+                Some(sampler) => {
+                    let trials = Trials::new(args, sampler, &stage, n, renders, global)?;
+                    Requested::Pattern(Box::new(trials))
+                }
+            });
         }
     }
-    let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
     let region = stage.view()?.region();
     check_memory("the sheet", ContactSheet::bytes([region.width, region.height], requests.len()))?;
     let mut max_points = 0;
@@ -103,10 +119,11 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         max_points = max_points.max(trials.plan.n_points());
     }
     Trials::check_sets(args, patterns(&requests))?;
-    let reference = Reference::new(args, &stage, global)?;
+    let is_warped = samplers().any(RenderSampler::is_warped);
+    let reference = Reference::new(args, &stage, is_warped, global)?;
     reference.remark(max_points);
     let reference = reference.image(&stage)?;
-    let white = white(args, &stage, &reference, global.quiet);
+    let white = white(args.white, &stage, &reference, global.quiet);
     let mut cost = 0.0;
     for trials in patterns(&requests) {
         cost += trials.work(&stage)?;
@@ -142,26 +159,28 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     print(&table_of(&PanelRecord::columns(), &records))
 }
 
-/// Parses `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
-fn request(
+/// Parses `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`, which is `None`.
+fn sampler(
     args: &RenderArgs,
     text: &str,
-    n: usize,
     global: &Global,
-) -> Result<Requested, CliError> {
+) -> Result<Option<RenderSampler>, CliError> {
     if text == "reference" {
-        return Ok(Requested::Reference);
+        return Ok(None);
     }
-    // A quote belongs to the name of a file.
+    // A quote belongs to the name of a file or to a density.
     let split = text.rsplit_once('@').filter(|(_, mode)| !mode.contains('"'));
-    let (sampler, mode): (&str, DirectionMode) = match split {
-        Some((sampler, mode)) => (sampler, parse_mode(mode)?),
-        None => (text, args.mode()?),
+    let (name, mode) = match split {
+        Some((name, mode)) => (name, Some(parse_mode(mode)?)),
+        None => (text, None),
     };
-    let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
-    let trials =
-        Trials::new(args, parse_pattern(sampler, global.quiet)?, mode, n, renders, global.seed)?;
-    Ok(Requested::Pattern(Box::new(trials)))
+    let sampler = RenderSampler::parse(name, mode.map_or_else(|| args.mode(), Ok)?, global.quiet)?;
+    if mode.is_some() && sampler.is_warped() {
+        return Err(CliError::Usage(format!(
+            "{text}: directions of densities have no mode; their sets are shifted at each point"
+        )));
+    }
+    Ok(Some(sampler))
 }
 
 /// Returns the panels that show a pattern.
@@ -189,11 +208,11 @@ fn rendered(
     let Outcome { picture, errors, .. } = trials.run(stage, Some(reference), progress)?;
     let plan = &trials.plan;
     let mut caption =
-        vec![format!("{}, {}, N = {}", plan.pattern().label(), plan.mode(), plan.n_points())];
+        vec![format!("{}, {}, N = {}", trials.name.label, trials.mode, plan.n_points())];
     let record = errors.as_ref().map(|errors| PanelRecord {
-        sampler: plan.pattern().to_string(),
-        label: plan.pattern().label(),
-        mode: plan.mode().name(),
+        sampler: trials.name.text.clone(),
+        label: trials.name.label.clone(),
+        mode: trials.mode,
         n: plan.n_points(),
         errors: ErrorRecord::new(errors),
     });

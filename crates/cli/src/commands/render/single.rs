@@ -8,16 +8,18 @@ use sphvar_scene::Image;
 
 use super::RenderArgs;
 use super::colours::{grey, quantile, signed};
+use super::exposure::white;
+use super::plan::Plan;
 use super::reference::Reference;
+use super::sampler::RenderSampler;
 use super::stage::{PICTURE_SIZE, Stage};
 use super::trials::{DEFAULT_RENDERS, Errors, Outcome, Trials};
 use crate::error::CliError;
 use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
-use crate::patterns::parse_pattern;
 use crate::point_sets::WeightSums;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print, say};
+use crate::report::{Document, Provenance, is_stdout, number, print};
 
 /// The default number of directions.
 pub(super) const DEFAULT_COUNT: usize = 256;
@@ -27,7 +29,7 @@ pub(super) const DEFAULT_COUNT: usize = 256;
 pub(crate) struct RenderBody {
     /// The sampler with its parameters.
     sampler: String,
-    /// The mapping of point sets to directions at each shading point.
+    /// The mapping of point sets to directions at each shading point; shifted for densities.
     mode: &'static str,
     /// The estimator for the visible half of a sphere set.
     estimator: &'static str,
@@ -85,12 +87,19 @@ pub(crate) struct ErrorRecord {
     /// The standard error of `bias_squared`.
     #[schemars(with = "Option<f64>")]
     pub(super) bias_squared_stderr: f64,
-    /// The exact mean squared error of the same number of independent directions.
+    /// The exact mean squared error of the same number of independent uniform directions.
     #[schemars(with = "Option<f64>")]
     pub(super) white_noise: f64,
     /// `white_noise` divided by `mse`.
     #[schemars(with = "Option<f64>")]
     pub(super) variance_reduction: f64,
+    /// The largest error of a pixel, averaged over renders, in units of the root mean squared error:
+    /// 4 to 5 for normal errors, more with fireflies.
+    #[schemars(with = "Option<f64>")]
+    pub(super) firefly: f64,
+    /// The standard error of `firefly`.
+    #[schemars(with = "Option<f64>")]
+    pub(super) firefly_stderr: f64,
     /// 64 times the error of means over 8 by 8 pixels over that of pixels: 1 for independent
     /// pixels.
     #[schemars(with = "Option<f64>")]
@@ -121,6 +130,8 @@ impl ErrorRecord {
             bias_squared_stderr: report.bias_squared.stderr,
             white_noise: *white_noise,
             variance_reduction: white_noise / report.mse.value,
+            firefly: report.firefly.value,
+            firefly_stderr: report.firefly.stderr,
             structured_error: report.structure.value,
             structured_error_stderr: report.structure.stderr,
             autocorrelation: report.autocorrelation.value,
@@ -153,12 +164,13 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             "-m {renders} needs errors: request them with --mse, --json, --difference or --error"
         )));
     }
-    let pattern = parse_pattern(sampler, global.quiet)?;
-    let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
-    Trials::check_sets(args, [&trials])?;
+    let sampler = RenderSampler::parse(sampler, args.mode()?, global.quiet)?;
+    args.check_mode([&sampler])?;
     let stage = args.stage.stage(PICTURE_SIZE, global.quiet)?;
+    let trials = Trials::new(args, &sampler, &stage, count, renders, global)?;
+    Trials::check_sets(args, [&trials])?;
     trials.check(&stage)?;
-    let reference = Reference::new(args, &stage, global)?;
+    let reference = Reference::new(args, &stage, sampler.is_warped(), global)?;
     let reference = if compare {
         reference.remark(trials.plan.n_points());
         Some(reference.image(&stage)?)
@@ -201,9 +213,6 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             "standard output holds one document: use either -o - or --json".to_owned(),
         ));
     }
-    if args.white.is_some_and(|white| !(white > 0.0 && white.is_finite())) {
-        return Err(CliError::Usage("--white must be a number above 0".to_owned()));
-    }
     Ok(())
 }
 
@@ -214,12 +223,17 @@ fn body(
     reference: &Image,
 ) -> Result<RenderBody, CliError> {
     let Outcome { picture, rays, seconds, .. } = outcome;
-    let plan = &trials.plan;
-    let sampler = plan.pattern().build(plan.set_points(), plan.mode().domain());
-    let weights = WeightSums::of_sampler(&*sampler.map_err(CliError::failed)?)?;
+    let weights = match &trials.plan {
+        Plan::Uniform(plan) => {
+            let sampler = plan.pattern().build(plan.set_points(), plan.mode().domain());
+            WeightSums::of_sampler(&*sampler.map_err(CliError::failed)?)?
+        }
+        // The weights of densities estimate solid angles.
+        Plan::Warped(_) => None,
+    };
     Ok(RenderBody {
-        sampler: trials.plan.pattern().to_string(),
-        mode: trials.plan.mode().name(),
+        sampler: trials.name.text.clone(),
+        mode: trials.mode,
         estimator: trials.estimator.name(),
         n_requested: trials.requested,
         n: trials.plan.n_points(),
@@ -240,13 +254,12 @@ fn body(
 
 fn text(trials: &Trials, outcome: &Outcome) -> String {
     let Outcome { picture, errors, rays, seconds } = outcome;
-    let plan = &trials.plan;
     let rays = *rays as f64;
     let mut text = format!(
         "{}, {}, N = {}: mean value {} over {} pixels\n{} rays in {}, {} per second\n",
-        plan.pattern().label(),
-        plan.mode(),
-        plan.n_points(),
+        trials.name.label,
+        trials.mode,
+        trials.plan.n_points(),
         number::value(picture.mean()),
         picture.n_hits(),
         number::count(rays),
@@ -258,6 +271,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
         text += &format!(
             "mean squared error {} (renders: {}), {} times smaller than the {} of white noise\n\
              variance {}, squared bias {}\n\
+             largest error of a pixel {} times the root mean square (4 to 5: normal errors, more: fireflies)\n\
              structured error {} (1: independent pixels), correlation of neighbours {}\n",
             number::with_uncertainty(record.mse, record.mse_stderr),
             trials.renders,
@@ -265,6 +279,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
             number::value(record.white_noise),
             number::with_uncertainty(record.variance, record.variance_stderr),
             number::with_uncertainty(record.bias_squared, record.bias_squared_stderr),
+            number::with_uncertainty(record.firefly, record.firefly_stderr),
             number::with_uncertainty(record.structured_error, record.structured_error_stderr),
             number::ratio(record.autocorrelation),
         );
@@ -295,7 +310,7 @@ fn write_pictures(
         Picture { width, height, values, coverage: None }.write(path, colour, &remark)
     };
     if let Some(path) = &args.out {
-        let white = white(args, stage, picture, global.quiet);
+        let white = white(args.white, stage, picture, global.quiet);
         let is_whole = picture.coverage.iter().all(|&c| c >= 1.0);
         // A picture that is covered completely needs no alpha channel.
         let coverage = (!is_whole).then_some(&*picture.coverage);
@@ -314,40 +329,3 @@ fn write_pictures(
     }
     Ok(())
 }
-
-/// Returns the value shown as white: the requested one, or 1 for shares, or the brightest pixel. If
-/// a few pixels are far brighter than the others, as with a sun, it is the 99th percentile of the
-/// pixels. Prints a remark if most of the picture would be black.
-pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bool) -> f64 {
-    let seen = || {
-        let pixels = picture.values.iter().zip(&picture.coverage);
-        pixels.filter(|(_, coverage)| **coverage > 0.0).map(|(&value, _)| value)
-    };
-    let brightest = seen().fold(0.0, f64::max);
-    let nearly_all = quantile(seen(), 0.99);
-    let is_spiky = nearly_all > 0.0 && nearly_all < SPIKE * brightest;
-    let white = match args.white {
-        Some(white) => white,
-        None if stage.is_share() || brightest == 0.0 => 1.0,
-        None if is_spiky => nearly_all,
-        None => brightest,
-    };
-    let median = quantile(seen(), 0.5);
-    if brightest > 0.0 && (median < BLACK * white || (args.white.is_none() && is_spiky)) {
-        let smallest = seen().fold(f64::INFINITY, f64::min);
-        let text = format!(
-            "values range from {} to {} with median {}; white is {} (change it with --white)",
-            number::value(smallest),
-            number::value(brightest),
-            number::value(median),
-            number::value(white),
-        );
-        say(quiet, &text);
-    }
-    white
-}
-
-/// Pixels are outliers if 99 % of a picture are below this share of them.
-const SPIKE: f64 = 0.1;
-/// The linear share of white below which an 8-bit pixel looks black.
-const BLACK: f64 = 1.0 / 256.0;

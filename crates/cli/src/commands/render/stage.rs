@@ -1,11 +1,14 @@
 //! The flags of the scene: geometry, camera and integral.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use glam::{DQuat, DVec3};
-use sphvar_integrands::{EnvironmentMap, Integrand, PictureParameters, UpAxis};
-use sphvar_scene::{Camera, CornellBox, CropWindow, Integral, Mesh, Quad, Scene, View};
+use sphvar_integrands::{EnvironmentMap, Integrand, Interpolation, PictureParameters, UpAxis};
+use sphvar_scene::{
+    Camera, CornellBox, CropWindow, Density, Integral, LightMap, Mesh, Quad, Scene, View,
+};
 
 use super::reference_file::fingerprint;
 use crate::counts::parse_number;
@@ -105,6 +108,8 @@ pub(super) struct Stage {
     size: [usize; 2],
     region: Option<CropWindow>,
     pixel_rays: usize,
+    /// The upward direction.
+    up: DVec3,
     integral: RequestedIntegral,
     /// Everything that a reference image depends on except its directions, in words and hashes.
     pub(super) description: String,
@@ -158,6 +163,7 @@ impl StageArgs {
             size,
             region,
             pixel_rays: self.pixel_rays,
+            up: up.try_normalize().unwrap_or(DVec3::Y),
             integral,
             description,
         };
@@ -325,6 +331,42 @@ impl Stage {
             }
             RequestedIntegral::Light { light, albedo } => {
                 then(&Integral::Light { light, albedo: *albedo })
+            }
+        }
+    }
+
+    /// Returns the light, if it is integrated.
+    pub(super) fn light(&self) -> Option<&Quad> {
+        match &self.integral {
+            RequestedIntegral::Light { light, .. } => Some(light),
+            _ => None,
+        }
+    }
+
+    /// Returns the rotation from an environment map, with its pole at +z, to the scene.
+    pub(super) fn rotation_of_map(&self) -> DQuat {
+        match &self.integral {
+            RequestedIntegral::Irradiance { to_map, .. } => to_map.inverse(),
+            _ => to_map(self.up).inverse(),
+        }
+    }
+
+    /// Returns densities from which the integral is estimated with a small variance, whatever the
+    /// scene: that of the light, or those of the cosine and of the map; `None` for ambient occlusion.
+    pub(super) fn densities(&self) -> Option<Vec<(Density, f64)>> {
+        match &self.integral {
+            RequestedIntegral::Ambient { .. } => None,
+            RequestedIntegral::Irradiance { environment, to_map, .. } => {
+                let mut densities = vec![(Density::cosine(), 1.0)];
+                // A black map has no density.
+                if let Ok(map) = environment.clone().into_density(Interpolation::Bilinear) {
+                    let rotation = to_map.inverse();
+                    densities.push((Density::World { warp: Arc::new(map), rotation }, 1.0));
+                }
+                Some(densities)
+            }
+            RequestedIntegral::Light { light, .. } => {
+                Some(vec![(Density::Light { light: *light, map: LightMap::Automatic }, 1.0)])
             }
         }
     }

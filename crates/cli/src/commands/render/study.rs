@@ -4,11 +4,11 @@ mod chart;
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::Pattern;
 use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 
 use super::RenderArgs;
 use super::reference::Reference;
+use super::sampler::RenderSampler;
 use super::single::ErrorRecord;
 use super::stage::STUDY_SIZE;
 use super::trials::{DEFAULT_RENDERS, Trials};
@@ -16,7 +16,7 @@ use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::patterns::{SamplerName, parse_patterns};
+use crate::patterns::SamplerName;
 use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
@@ -109,28 +109,32 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     })?;
     let counts =
         args.counts.counts.clone().unwrap_or(Counts::doubling(DEFAULT_RANGE.0, DEFAULT_RANGE.1));
-    let mode = args.mode()?;
-    let mut patterns: Vec<Pattern> = Vec::new();
-    let mut cases: Vec<Trials> = Vec::new();
-    for pattern in parse_patterns(list, global.quiet)? {
-        if patterns.contains(&pattern) {
-            continue;
+    let mut samplers: Vec<RenderSampler> = Vec::new();
+    for sampler in RenderSampler::parse_list(list, args.mode()?, global.quiet)? {
+        if !samplers.contains(&sampler) {
+            samplers.push(sampler);
         }
+    }
+    args.check_mode(&samplers)?;
+    let stage = args.stage.stage(STUDY_SIZE, global.quiet)?;
+    let mut cases: Vec<Trials> = Vec::new();
+    for sampler in &samplers {
         for &n in counts.all() {
-            let case = Trials::new(args, pattern.clone(), mode, n, renders, global.seed)?;
-            let same = |c: &Trials| c.plan == case.plan;
+            let case = Trials::new(args, sampler, &stage, n, renders, global)?;
+            let same = |other: &Trials| {
+                other.name.text == case.name.text && other.plan.n_points() == case.plan.n_points()
+            };
             if !cases.iter().any(same) {
                 cases.push(case);
             }
         }
-        patterns.push(pattern);
     }
     Trials::check_sets(args, &cases)?;
-    let stage = args.stage.stage(STUDY_SIZE, global.quiet)?;
     for case in &cases {
         case.check(&stage)?;
     }
-    let reference = Reference::new(args, &stage, global)?;
+    let is_warped = samplers.iter().any(RenderSampler::is_warped);
+    let reference = Reference::new(args, &stage, is_warped, global)?;
     reference.remark(cases.iter().map(|case| case.plan.n_points()).max().unwrap_or(0));
     let reference = reference.image(&stage)?;
     let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.work(&stage)).collect();
@@ -141,9 +145,9 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         rays += outcome.rays;
         seconds += outcome.seconds;
         rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
-            sampler: case.plan.pattern().to_string(),
-            label: case.plan.pattern().label(),
-            mode: mode.name(),
+            sampler: case.name.text.clone(),
+            label: case.name.label.clone(),
+            mode: case.mode,
             n_requested: case.requested,
             n: case.plan.n_points(),
             sets: case.plan.distinct_sets(renders),
@@ -152,15 +156,17 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         }));
     }
     drop(progress);
-    let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
+    let names: Vec<SamplerName> = samplers.iter().map(RenderSampler::name).collect();
+    let curves: Vec<Curve<'_>> = names.iter().map(|name| Curve::new(name, &rows)).collect();
     let samplers: Vec<StudyRates> = curves.iter().map(Curve::rates).collect();
-    let errors: Vec<_> = curves.iter().map(|c| (SamplerName::of(c.pattern), c.points())).collect();
+    let errors: Vec<_> = curves.iter().map(|c| (c.name.clone(), c.points())).collect();
     let crossovers = crossovers(&errors, global.seed);
     let provenance = Provenance::new(global.seed);
     let [reference_n, pixels] = [reference.n_points, reference.n_hits()];
     let body = StudyBody { rows, samplers, crossovers, reference_n, pixels, rays, seconds };
     let chart = || {
-        let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &body.rows)).collect();
+        let curves: Vec<Curve<'_>> =
+            names.iter().map(|name| Curve::new(name, &body.rows)).collect();
         Ok(chart::chart(&curves, &body))
     };
     let forms = Forms {
@@ -173,7 +179,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
 
 impl StudyRecord {
     /// Returns the columns of a table.
-    fn columns() -> [Column<'static, Self>; 9] {
+    fn columns() -> [Column<'static, Self>; 10] {
         let score = |t: Option<f64>| number::optional(t, number::ratio);
         [
             Column::text("sampler", |r: &Self| r.label.clone()),
@@ -182,6 +188,7 @@ impl StudyRecord {
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
             Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
             Column::number("reduction", |r: &Self| number::ratio(r.errors.variance_reduction)),
+            Column::number("firefly", |r: &Self| number::ratio(r.errors.firefly)),
             Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
             Column::number("largest |t|", move |r: &Self| score(r.errors.bias_t)),
             Column::number("99 % limit", move |r: &Self| score(r.errors.bias_limit)),
@@ -205,18 +212,18 @@ impl StudyRates {
     }
 }
 
-/// The rows of one pattern, by number of directions.
+/// The rows of one sampler, by number of directions.
 struct Curve<'a> {
-    pattern: &'a Pattern,
+    name: &'a SamplerName,
     rows: Vec<&'a StudyRecord>,
 }
 
 impl<'a> Curve<'a> {
-    fn new(pattern: &'a Pattern, rows: &'a [StudyRecord]) -> Self {
-        let name = pattern.to_string();
-        let mut rows: Vec<&StudyRecord> = rows.iter().filter(|row| row.sampler == name).collect();
+    fn new(name: &'a SamplerName, rows: &'a [StudyRecord]) -> Self {
+        let mut rows: Vec<&StudyRecord> =
+            rows.iter().filter(|row| row.sampler == name.text).collect();
         rows.sort_by_key(|row| row.n);
-        Self { pattern, rows }
+        Self { name, rows }
     }
 
     fn points(&self) -> Vec<VariancePoint> {
@@ -240,8 +247,8 @@ impl<'a> Curve<'a> {
         let renders = self.rows.iter().map(|row| row.renders).min().unwrap_or(0);
         let dof = renders.saturating_sub(1) as f64;
         StudyRates {
-            sampler: self.pattern.to_string(),
-            label: self.pattern.label(),
+            sampler: self.name.text.clone(),
+            label: self.name.label.clone(),
             all: fit_rate_of_few(&points, dof).map(Rate::from),
             tail: fit_rate_of_few(&tail, dof).map(Rate::from),
         }
@@ -250,7 +257,7 @@ impl<'a> Curve<'a> {
 
 fn text(body: &StudyBody) -> String {
     let mut text = table_of(&StudyRecord::columns(), &body.rows);
-    text += "\nreduction: the exact mean squared error of white noise divided by this one. structured error: 1 for \
+    text += "\nreduction: the exact mean squared error of white noise divided by this one. firefly: the largest error of a pixel over the root\nmean square, 4 to 5 for normal errors. structured error: 1 for \
              independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
              largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
     text += &table_of(&StudyRates::columns(), &body.samplers);

@@ -2,25 +2,30 @@
 
 use std::time::Instant;
 
-use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    DirectionMode, DirectionPlan, Error, ErrorReport, Estimator, Image, RenderErrors, pixel_work,
-    render,
+    DirectionPlan, Error, ErrorReport, Estimator, Image, RenderErrors, WarpedPlan, render,
 };
 
 use super::RenderArgs;
+use super::plan::Plan;
+use super::sampler::RenderSampler;
 use super::stage::Stage;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::memory::check_memory;
+use crate::patterns::SamplerName;
 use crate::progress::Progress;
 
 /// The default number of renders from which errors are estimated.
 pub(super) const DEFAULT_RENDERS: u64 = 8;
 
-/// One pattern at one number of directions.
+/// One sampler at one number of directions.
 pub(super) struct Trials {
+    pub(super) name: SamplerName,
+    /// The mapping of sets to directions.
+    pub(super) mode: &'static str,
     pub(super) requested: usize,
-    pub(super) plan: DirectionPlan,
+    pub(super) plan: Plan,
     /// The value of `--sets`.
     sets: Option<usize>,
     pub(super) estimator: Estimator,
@@ -51,24 +56,46 @@ impl Trials {
     /// Uses the nearest valid number of directions.
     pub(super) fn new(
         args: &RenderArgs,
-        pattern: Pattern,
-        mode: DirectionMode,
+        sampler: &RenderSampler,
+        stage: &Stage,
         requested: usize,
         renders: u64,
-        seed: u64,
+        global: &Global,
     ) -> Result<Self, CliError> {
-        let n = DirectionPlan::nearest_count(&pattern, requested, mode);
-        let plan = DirectionPlan::new(pattern, n, mode, seed);
-        let mut plan = plan.map_err(|error| match error {
-            Error::Sampler(sphvar_samplers::Error::Given { .. }) => CliError::Failed(format!(
-                "{error}; --mode rotated and --mode shared take sets of the whole sphere"
-            )),
-            _ => CliError::usage(error),
-        })?;
+        let mut plan = match sampler {
+            RenderSampler::Uniform(pattern, mode) => {
+                let n = DirectionPlan::nearest_count(pattern, requested, *mode);
+                let plan = DirectionPlan::new(pattern.clone(), n, *mode, global.seed);
+                Plan::Uniform(plan.map_err(|error| match error {
+                    Error::Sampler(sphvar_samplers::Error::Given { .. }) => CliError::Failed(format!(
+                        "{error}; --mode rotated and --mode shared take sets of the whole sphere"
+                    )),
+                    _ => CliError::usage(error),
+                })?)
+            }
+            RenderSampler::Warped(sampler) => {
+                let densities = sampler.densities(stage, global.quiet)?;
+                let (pattern, heuristic) = (sampler.pattern.clone(), sampler.heuristic);
+                let plan = WarpedPlan::new(pattern, densities, requested, heuristic, global.seed);
+                let plan = plan.map_err(CliError::usage)?;
+                stage
+                    .with_integral(|integral| plan.check(integral))
+                    .map_err(|error| CliError::Usage(format!("{}: {error}", sampler.text())))?;
+                Plan::Warped(plan)
+            }
+        };
         if let Some(sets) = args.sets {
             plan = plan.with_sets(sets).map_err(CliError::usage)?;
         }
-        Ok(Self { requested, plan, sets: args.sets, estimator: args.estimator()?, renders })
+        Ok(Self {
+            name: sampler.name(),
+            mode: sampler.mode(),
+            requested,
+            plan,
+            sets: args.sets,
+            estimator: args.estimator(sampler)?,
+            renders,
+        })
     }
 
     /// Rejects `--sets` if no case uses a table.
@@ -78,7 +105,8 @@ impl Trials {
     ) -> Result<(), CliError> {
         if args.sets.is_some() && !cases.into_iter().any(|case| case.plan.has_table()) {
             return Err(CliError::Usage(
-                "--sets requires a random sampler and the mode rotated or antipodal".to_owned(),
+                "--sets requires a random sampler, and without warp= the mode rotated or antipodal"
+                    .to_owned(),
             ));
         }
         Ok(())
@@ -86,17 +114,14 @@ impl Trials {
 
     /// Rejects work that does not fit in memory.
     pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
-        let direction = size_of::<glam::DVec3>() as f64;
-        let points = self.plan.set_points() as f64;
-        let at_once = self.plan.n_sets() as f64 + rayon::current_num_threads() as f64;
         let what = match self.sets {
             Some(sets) if self.plan.has_table() => format!("-n {} --sets {sets}", self.requested),
             _ => format!("-n {}", self.requested),
         };
-        check_memory(&what, direction * points * at_once)?;
-        // Value, spread and coverage of the render and the reference, and the errors of all
+        check_memory(&what, self.plan.bytes())?;
+        // Value, two spreads and coverage of the render and the reference, and the errors of all
         // renders.
-        let pixel = (2 * 24 + 8) as f64 + 8.0 * self.renders as f64;
+        let pixel = (2 * 32 + 8) as f64 + 8.0 * self.renders as f64;
         let region = stage.view()?.region();
         check_memory("the picture", pixel * (region.width * region.height) as f64)
     }
@@ -104,18 +129,8 @@ impl Trials {
     /// Returns the work for the progress bar.
     pub(super) fn work(&self, stage: &Stage) -> Result<f64, CliError> {
         let region = stage.view()?.region();
-        let own = match self.plan.mode() {
-            DirectionMode::Fresh => self.plan.pattern().nominal_work(self.plan.n_points()),
-            _ => 0.0,
-        };
-        let pixels =
-            (region.width * region.height) as f64 * (pixel_work(self.plan.n_points()) + own);
-        Ok((self.work_of_table() + pixels) * self.renders as f64)
-    }
-
-    /// Returns the nominal work of the sets of a render.
-    fn work_of_table(&self) -> f64 {
-        self.plan.n_sets() as f64 * self.plan.pattern().nominal_work(self.plan.set_points())
+        let pixels = (region.width * region.height) as f64 * self.plan.pixel_work();
+        Ok((self.plan.table_work() + pixels) * self.renders as f64)
     }
 
     /// Renders and compares.
@@ -125,16 +140,16 @@ impl Trials {
         reference: Option<&Image>,
         progress: &Progress,
     ) -> Result<Outcome, CliError> {
-        progress.stage(&format!("{} N = {}", self.plan.pattern().label(), self.plan.n_points()));
+        progress.stage(&format!("{} N = {}", self.name.label, self.plan.n_points()));
         let view = stage.view()?;
         let mut errors = reference.map(RenderErrors::new);
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
         for number in 0..self.renders {
             let sets = self.plan.prepare(number).map_err(CliError::failed)?;
-            progress.advance(self.work_of_table());
+            progress.advance(self.plan.table_work());
             let start = Instant::now();
             let image = stage
-                .with_integral(|integral| render(&view, integral, self.estimator, &sets, progress))
+                .with_integral(|integral| render(&view, integral, self.estimator, &*sets, progress))
                 .map_err(CliError::failed)?;
             seconds += start.elapsed().as_secs_f64();
             rays += image.rays;

@@ -18,8 +18,7 @@ use sphvar_scene::{
     render,
 };
 use sphvar_warps::{
-    ConcentricDisk, CosineHemisphere, DensityMap, Interpolation, OctahedralSphere, UniformCap,
-    VonMisesFisherLobe,
+    ConcentricDisk, DensityMap, Interpolation, OctahedralSphere, UniformCap, VonMisesFisherLobe,
 };
 
 use super::spot::{Spot, covered_share, form_factor, horizontal, mean_and_error};
@@ -28,10 +27,6 @@ const SEED: u64 = 5;
 const SIDE: usize = 32;
 /// The limit of |z|, exceeded by chance once in 1.7 million comparisons; there are about 60 here.
 pub(super) const Z: f64 = 5.0;
-
-pub(super) fn cosine() -> Density {
-    Density::Surface(Arc::new(CosineHemisphere))
-}
 
 pub(super) fn light(light: Quad, map: LightMap) -> Density {
     Density::Light { light, map }
@@ -76,7 +71,7 @@ fn every_density_is_unbiased() {
     let ambient = |cosine| Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine };
     let lobe = VonMisesFisherLobe::new(2.0).unwrap();
     let densities: [(&str, Density); 4] = [
-        ("cosine", cosine()),
+        ("cosine", Density::cosine()),
         ("sphere", Density::Surface(Arc::new(OctahedralSphere))),
         ("lobe", Density::Surface(Arc::new(lobe))),
         (
@@ -136,7 +131,7 @@ fn weights_of_the_pattern_are_normalized() {
             sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0)).unwrap();
         set.weights = (0..25).map(|k| scale * f64::from(k % 3 + 1)).collect();
         let pattern = SquarePattern::parse("file:memory", &OneFile(set)).unwrap();
-        let densities = vec![(cosine(), 1.0)];
+        let densities = vec![(Density::cosine(), 1.0)];
         let plan = WarpedPlan::new(pattern, densities, 1, Heuristic::Balance, SEED).unwrap();
         assert_eq!((plan.n_points(), plan.has_table()), (25, false));
         assert_value(&spot, &ambient, &plan, exact, &format!("{scale:e}"));
@@ -149,7 +144,7 @@ fn a_proportional_density_has_no_variance() {
     let open = Spot::with(Vec::new());
     let sky = Integral::Irradiance { radiance: &|_| 3.0, albedo: 0.5 };
     for n in [1, 7, 64] {
-        let image = picture(&open, &sky, &one("white-square", cosine(), n));
+        let image = picture(&open, &sky, &one("white-square", Density::cosine(), n));
         // Sums of n equal numbers.
         let wrong = image.values.iter().find(|v| (*v / 1.5 - 1.0).abs() > 1e-14 * n as f64);
         assert!(wrong.is_none(), "{n}: {wrong:?}");
@@ -180,7 +175,7 @@ fn environment_maps_are_in_world_directions() {
     let wide = Integral::Irradiance { radiance: &|_| 1.0, albedo: 0.5 };
     let error = one("sobol", world(half(1.0, 0.0)), 64).check(&wide).unwrap_err().to_string();
     assert!(error.contains("50.00 %") && error.contains("of the environment"), "{error}");
-    let both = vec![(world(half(1.0, 0.0)), 0.5), (cosine(), 0.5)];
+    let both = vec![(world(half(1.0, 0.0)), 0.5), (Density::cosine(), 0.5)];
     let plan = several("sobol", both, 64, Heuristic::Balance);
     plan.check(&wide).unwrap();
     assert_value(&open, &wide, &plan, 0.5, "with a cosine");
@@ -205,7 +200,7 @@ fn several_densities_are_unbiased() {
     let uniform = Density::Surface(Arc::new(UniformCap::HEMISPHERE));
     for heuristic in [Heuristic::Balance, Heuristic::Power] {
         for shares in [[1.0, 1.0, 1.0], [0.2, 0.7, 0.1], [0.0, 3.0, 5.0], [1e-300, 1e-300, 0.0]] {
-            let densities = [light(lamp, LightMap::Automatic), cosine(), uniform.clone()];
+            let densities = [light(lamp, LightMap::Automatic), Density::cosine(), uniform.clone()];
             let densities = densities.into_iter().zip(shares).collect();
             let plan = several("jittered-square", densities, 30, heuristic);
             assert_value(&open, &integral, &plan, exact, &format!("{heuristic} {shares:?}"));
@@ -214,7 +209,7 @@ fn several_densities_are_unbiased() {
     // Equal densities are one density: weights 1/(N p), without variance.
     let sky = Integral::Irradiance { radiance: &|_| 1.0, albedo: 1.0 };
     for heuristic in [Heuristic::Balance, Heuristic::Power] {
-        let twice = vec![(cosine(), 0.5), (cosine(), 0.5)];
+        let twice = vec![(Density::cosine(), 0.5), (Density::cosine(), 0.5)];
         let image = picture(&open, &sky, &several("sobol", twice, 16, heuristic));
         assert!(image.values.iter().all(|v| (v - 1.0).abs() < 1e-13), "{heuristic}");
     }
@@ -225,7 +220,7 @@ fn invalid_densities_are_rejected() {
     let plan =
         |densities| WarpedPlan::new(SquarePattern::Sobol, densities, 16, Heuristic::Balance, SEED);
     for shares in [[-1.0, 1.0], [0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
-        let densities = shares.map(|share| (cosine(), share)).to_vec();
+        let densities = shares.map(|share| (Density::cosine(), share)).to_vec();
         let error = plan(densities).unwrap_err().to_string();
         assert!(error.contains("share of a density"), "{error}");
     }
@@ -281,7 +276,12 @@ fn cornell(plan: &WarpedPlan, number: u64, region: Option<CropWindow>) -> Image 
 #[test]
 fn values_depend_on_seed_render_and_pixel_only() {
     let lamp = light(CornellBox::new().light, LightMap::Automatic);
-    let plan = several("jittered-square", vec![(lamp, 2.0), (cosine(), 1.0)], 15, Heuristic::Power);
+    let plan = several(
+        "jittered-square",
+        vec![(lamp, 2.0), (Density::cosine(), 1.0)],
+        15,
+        Heuristic::Power,
+    );
     let with = |threads| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| cornell(&plan, 3, None))

@@ -6,12 +6,12 @@ use glam::DVec3;
 use sphvar_integrands::Heuristic;
 use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    CornellBox, DirectionMode, DirectionPlan, Estimator, Image, Integral, LightMap, Quad, View,
-    render,
+    CornellBox, Density, DirectionMode, DirectionPlan, Estimator, Image, Integral, LightMap, Quad,
+    View, render,
 };
 
 use super::spot::{Spot, form_factor, horizontal, mean_and_error};
-use super::warped::{Z, assert_value, cosine, light, one, picture, several};
+use super::warped::{Z, assert_value, light, one, picture, several};
 
 /// The integral over a lamp for a surface that reflects 0.7.
 fn integral(light: &Quad) -> Integral<'_> {
@@ -92,7 +92,7 @@ fn lamps_that_a_point_does_not_see() {
             assert!(image.values.iter().all(|v| (0.0..1e-7).contains(v)), "{name} {map:?}");
             assert!(image.values.iter().all(|v| *v == 0.0) || name == "edge-on", "{name} {map:?}");
             // Another density is unaffected by one that is 0.
-            let both = vec![(light(lamp, map), 0.5), (cosine(), 0.5)];
+            let both = vec![(light(lamp, map), 0.5), (Density::cosine(), 0.5)];
             let image = picture(&open, &integral, &several("sobol", both, 16, Heuristic::Power));
             assert!(image.values.iter().all(|v| *v < 1e-3), "{name} {map:?}");
         }

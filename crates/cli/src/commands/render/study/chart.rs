@@ -1,7 +1,5 @@
 //! Mean squared errors against the number of directions.
 
-use sphvar_samplers::Pattern;
-
 use super::{Curve, StudyBody};
 use crate::plots::{Chart, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks};
 
@@ -10,13 +8,12 @@ pub(super) fn chart(curves: &[Curve<'_>], body: &StudyBody) -> Chart {
     let last = |curve: &Curve<'_>| {
         curve.points().last().map_or(f64::NAN, |point| point.variance * point.n_points)
     };
-    let is_own = |curve: &Curve<'_>| matches!(curve.pattern, Pattern::PointFile(_));
-    let are_own: Vec<bool> = curves.iter().map(is_own).collect();
+    let are_own: Vec<bool> = curves.iter().map(|curve| curve.name.is_file).collect();
     let inks = inks(&curves.iter().map(last).collect::<Vec<f64>>(), &are_own);
     let series = curves.iter().zip(inks).map(|(curve, ink)| {
         let points = curve.points();
         Series {
-            label: curve.pattern.label(),
+            label: curve.name.label.clone(),
             points: points.iter().map(|p| (p.n_points, p.variance)).collect(),
             spread: Spread::Errors(points.iter().map(|p| p.stderr).collect()),
             style: Style::Joined,
