@@ -52,7 +52,7 @@ pub use geometry::quad::Quad;
 pub use geometry::scene::Scene;
 pub use lights::environment::RgbEnvironment;
 pub use lights::irradiance::{IrradianceError, IrradianceReference};
-pub use lights::{DirectionalLight, luminance};
+pub use lights::{DirectionalLight, irradiance_of, luminance};
 pub use obj::remarks::ObjRemarks;
 pub use picture::camera::Camera;
 pub use picture::cornell::CornellBox;

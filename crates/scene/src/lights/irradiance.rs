@@ -1,11 +1,12 @@
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sphvar_integrands::{ClampedCosine, Integrand};
 use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, LmIndex};
 use sphvar_sht::{Method, Transform, TransformWorkspace};
+use statrs::statistics::Statistics;
 
 use super::environment::RgbEnvironment;
 use super::gram::Gram;
@@ -45,6 +46,8 @@ pub struct IrradianceReference {
     /// `L_lm` of each channel.
     radiance: [Alm; 3],
     norm: Gram,
+    /// From directions of the environment to those of the maps.
+    to_map: DQuat,
 }
 
 /// Errors of the irradiance relative to its root mean square, over all normals; `None` where the
@@ -55,6 +58,24 @@ pub struct IrradianceError {
     pub luminance: Option<f64>,
     /// The errors of red, green and blue.
     pub channels: [Option<f64>; 3],
+}
+
+impl IrradianceError {
+    /// Returns the mean of errors and the standard error of that of the luminance, which is unknown
+    /// for a single one.
+    #[must_use]
+    pub fn mean(errors: &[Self]) -> (Self, Option<f64>) {
+        let mean = |of: &dyn Fn(&Self) -> Option<f64>| {
+            let sum = errors.iter().map(of).sum::<Option<f64>>()?;
+            (!errors.is_empty()).then(|| sum / errors.len() as f64)
+        };
+        let luminance = mean(&|error| error.luminance);
+        let channels = [0, 1, 2].map(|c| mean(&|error: &Self| error.channels[c]));
+        let values: Vec<f64> = errors.iter().filter_map(|error| error.luminance).collect();
+        let stderr = (values.len() > 1 && values.len() == errors.len())
+            .then(|| values.iter().std_dev() / (values.len() as f64).sqrt());
+        (Self { luminance, channels }, stderr)
+    }
 }
 
 /// The limits of the largest degree.
@@ -85,7 +106,7 @@ impl IrradianceReference {
         let [r, g, b] = environment.channels().each_ref().map(|map| map.alm(Domain::Sphere, lmax));
         let radiance = [r?, g?, b?];
         let norm = energy(&factors, &radiance);
-        Ok(Self { factors, radiance, norm })
+        Ok(Self { factors, radiance, norm, to_map: environment.to_map() })
     }
 
     fn lmax(&self) -> usize {
@@ -100,7 +121,8 @@ impl IrradianceReference {
     ///
     /// [`Error::Harmonics`] if memory is exhausted.
     pub fn relative_error(&self, lights: &[DirectionalLight]) -> Result<IrradianceError, Error> {
-        let directions: Vec<DVec3> = lights.iter().map(|light| light.direction).collect();
+        let directions: Vec<DVec3> =
+            lights.iter().map(|light| self.to_map * light.direction).collect();
         let channels =
             [0, 1, 2].map(|c| lights.iter().map(|light| light.irradiance[c]).collect::<Vec<_>>());
         let sets = channels.each_ref().map(|values| (&directions[..], Some(&values[..])));
@@ -134,6 +156,7 @@ impl IrradianceReference {
     ///
     /// [`Error::Harmonics`] if memory is exhausted.
     pub fn irradiance(&self, normals: &[DVec3]) -> Result<Vec<[f64; 3]>, Error> {
+        let normals: Vec<DVec3> = normals.iter().map(|&normal| self.to_map * normal).collect();
         let transform = Transform::new(Method::Auto, self.lmax(), normals.len(), EPSILON)?;
         let index = LmIndex::new(self.lmax())?;
         let mut colours = vec![[0.0; 3]; normals.len()];
@@ -145,7 +168,7 @@ impl IrradianceReference {
             }
             transform.synthesis_into(
                 &alm,
-                normals,
+                &normals,
                 &mut TransformWorkspace::default(),
                 &mut values,
             );
@@ -204,8 +227,7 @@ fn kernel(a: DVec3, b: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
+    use glam::DQuat;
     use sphvar_integrands::EnvironmentMap;
     use sphvar_samplers::{AdaptedCcvt, Purpose, Streams};
 
@@ -217,12 +239,12 @@ mod tests {
     fn degrees_beyond_the_largest_do_not_matter() {
         let texels = (0..64 * 32).map(|k| if k == 64 * 9 + 5 { 1.0 } else { 0.0 }).collect();
         let map = EnvironmentMap::new(64, 32, texels).unwrap();
-        let environment = RgbEnvironment::new([map.clone(), map.clone(), map]).unwrap();
-        let density = Arc::new(environment.luminance_density().unwrap());
-        let ccvt = AdaptedCcvt::new(64, 64, density.clone()).unwrap();
+        let environment =
+            RgbEnvironment::new([map.clone(), map.clone(), map], DQuat::IDENTITY).unwrap();
+        let ccvt = AdaptedCcvt::new(64, 64, environment.luminance_warp()).unwrap();
         let mut rng = Streams::new(3, Purpose::Pattern, 0).realization(0);
         let tessellation = ccvt.tessellate(&mut rng, &()).unwrap();
-        let lights = environment.lights_of_cells(&tessellation, &*density);
+        let lights = environment.cell_lights(&tessellation);
         let square = |reference: IrradianceReference| {
             reference.relative_error(&lights).unwrap().luminance.unwrap().powi(2)
         };

@@ -14,26 +14,25 @@ impl RgbEnvironment {
     ///
     /// The longer side is measured with widths times the sine of the colatitude at the middle of the region.
     /// Numbers that are no powers of two divide the luminance in proportion to the numbers
-    /// of lights. Parts without luminance get no lights, and a single texel that is to be divided
+    /// of lights. Texels of negative luminance count by its magnitude. Parts without luminance get no lights, and a single texel that is to be divided
     /// becomes several lights at its centre.
     ///
     /// # Errors
     ///
-    /// As [`luminance_density`](Self::luminance_density), and [`Error::Setting`] without lights.
+    /// [`Error::Setting`] if `n` is 0.
     pub fn median_cut(&self, n: usize) -> Result<Vec<DirectionalLight>, Error> {
         if n == 0 {
             let name = "the number of lights";
             return Err(Error::Setting { name, range: "at least 1", got: 0.0 });
         }
-        // The check of the texels.
-        self.luminance_density()?;
-        let map = &self.channels()[0];
+        let (map, from_map) = (&self.channels()[0], self.to_map().inverse());
         let grid = Grid { environment: self, width: map.width(), height: map.height() };
         let mut pending = vec![(Region { rows: 0..grid.height, columns: 0..grid.width }, n)];
         let mut lights = Vec::with_capacity(n);
         while let Some((region, n)) = pending.pop() {
             if n == 1 || (region.rows.len() == 1 && region.columns.len() == 1) {
                 let DirectionalLight { direction, irradiance } = grid.light(&region);
+                let direction = from_map * direction;
                 let irradiance = irradiance.map(|x| x / n as f64);
                 lights.extend((0..n).map(|_| DirectionalLight { direction, irradiance }));
                 continue;
@@ -97,7 +96,7 @@ impl Grid<'_> {
             for column in region.columns.clone() {
                 let (light, centre) = (self.light_of_texel(row, column), self.centre(row, column));
                 sum += centre;
-                moment += centre * luminance(light);
+                moment += centre * luminance(light).abs();
                 irradiance = [0, 1, 2].map(|c| irradiance[c] + light[c]);
             }
         }
@@ -114,7 +113,7 @@ impl Grid<'_> {
         let across = TAU * columns.len() as f64 / self.width as f64 * middle.sin();
         let is_tall =
             columns.len() == 1 || (rows.len() > 1 && self.theta(rows.len() as f64) > across);
-        let luminance_of = |row, column| luminance(self.light_of_texel(row, column));
+        let luminance_of = |row, column| luminance(self.light_of_texel(row, column)).abs();
         let strips: Vec<f64> = if is_tall {
             let strip = |row| columns.clone().map(|column| luminance_of(row, column)).sum();
             rows.clone().map(strip).collect()

@@ -2,25 +2,30 @@
 //! definition.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 use rand::{Rng, RngExt};
 use sphvar_integrands::{Domain, EnvironmentMap, Integrand};
-use sphvar_samplers::{AdaptedCcvt, Fibonacci, Pattern, Purpose, Sampler, Streams};
-use sphvar_scene::{DirectionalLight, Error, IrradianceReference, RgbEnvironment, luminance};
+use sphvar_samplers::{AdaptedCcvt, Fibonacci, Pattern, PointSet, Purpose, Sampler, Streams};
+use sphvar_scene::{
+    DirectionalLight, Error, IrradianceReference, RgbEnvironment, irradiance_of, luminance,
+};
 
 fn rng(realization: u64) -> impl Rng {
     Streams::new(21, Purpose::Pattern, 0).realization(realization)
 }
 
-fn environment(height: usize, texel: impl Fn(usize, usize) -> [f64; 3]) -> RgbEnvironment {
+fn maps(height: usize, texel: impl Fn(usize, usize) -> [f64; 3]) -> [EnvironmentMap; 3] {
     let width = 2 * height;
     let map = |c: usize| {
         let texels = (0..height * width).map(|k| texel(k / width, k % width)[c]).collect();
         EnvironmentMap::new(width, height, texels).unwrap().with_first_longitude(0.3)
     };
-    RgbEnvironment::new([map(0), map(1), map(2)]).unwrap()
+    [map(0), map(1), map(2)]
+}
+
+fn environment(height: usize, texel: impl Fn(usize, usize) -> [f64; 3]) -> RgbEnvironment {
+    RgbEnvironment::new(maps(height, texel), DQuat::IDENTITY).unwrap()
 }
 
 /// Returns a map of random colours whose texels differ by factors up to e^4.
@@ -36,15 +41,14 @@ fn random_environment(height: usize) -> RgbEnvironment {
 }
 
 fn uniform(environment: &RgbEnvironment, points: &[DVec3]) -> Vec<DirectionalLight> {
-    environment.lights(points, &vec![4.0 * PI / points.len() as f64; points.len()])
+    environment.uniform_lights(&PointSet::new(points.to_vec()))
 }
 
 fn cells(environment: &RgbEnvironment, n: usize, capacity: usize) -> Vec<DirectionalLight> {
-    let density = Arc::new(environment.luminance_density().unwrap());
-    let ccvt = AdaptedCcvt::new(n, capacity, density.clone()).unwrap();
+    let ccvt = AdaptedCcvt::new(n, capacity, environment.luminance_warp()).unwrap();
     let tessellation = ccvt.tessellate(&mut rng(1), &()).unwrap();
     assert!(tessellation.is_settled());
-    environment.lights_of_cells(&tessellation, &*density)
+    environment.cell_lights(&tessellation)
 }
 
 /// Returns the radiance of patches of a fine grid, as lights at their centres: `steps` x `steps`
@@ -68,14 +72,6 @@ fn patches(environment: &RgbEnvironment, steps: usize) -> Vec<DirectionalLight> 
     lights
 }
 
-/// Returns the sum over lights by definition.
-fn irradiance(lights: &[DirectionalLight], normal: DVec3) -> [f64; 3] {
-    lights.iter().fold([0.0; 3], |sum, light| {
-        let of_light = light.on_surface(normal);
-        [0, 1, 2].map(|c| sum[c] + of_light[c])
-    })
-}
-
 fn normals(n: usize) -> Vec<DVec3> {
     Fibonacci::new(n, Domain::Sphere).unwrap().sample(&mut rng(0)).unwrap().points
 }
@@ -86,7 +82,7 @@ fn irradiance_is_its_integral() {
     let reference = IrradianceReference::new(&environment).unwrap();
     let (normals, patches) = (normals(50), patches(&environment, 24));
     for (normal, got) in normals.iter().zip(reference.irradiance(&normals).unwrap()) {
-        let expected = irradiance(&patches, *normal);
+        let expected = irradiance_of(&patches, &[*normal])[0];
         for c in 0..3 {
             // The error of the midpoint rule.
             assert!((got[c] / expected[c] - 1.0).abs() < 2e-4, "{got:?} {expected:?}");
@@ -106,7 +102,7 @@ fn errors_are_those_over_all_normals() {
     let mut repeated = white[..20].to_vec();
     repeated.extend_from_slice(&white[..20]);
     let normals = normals(1000);
-    let exact: Vec<[f64; 3]> = normals.iter().map(|&n| irradiance(&patches, n)).collect();
+    let exact: Vec<[f64; 3]> = irradiance_of(&patches, &normals);
     for (name, lights) in [
         ("white", uniform(&environment, &white)),
         ("repeated", uniform(&environment, &repeated)),
@@ -117,10 +113,11 @@ fn errors_are_those_over_all_normals() {
     ] {
         let got = reference.relative_error(&lights).unwrap();
         let measure = |of: &dyn Fn([f64; 3]) -> f64| {
-            let sums = normals.iter().zip(&exact).map(|(&normal, &exact)| {
-                let lit = of(irradiance(&lights, normal));
-                [(lit - of(exact)).powi(2), of(exact).powi(2)]
-            });
+            let sums =
+                irradiance_of(&lights, &normals).into_iter().zip(&exact).map(|(lit, &exact)| {
+                    let lit = of(lit);
+                    [(lit - of(exact)).powi(2), of(exact).powi(2)]
+                });
             let [error, norm] = sums.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
             (error / norm).sqrt()
         };
@@ -158,6 +155,18 @@ fn cells_share_the_luminance_and_have_all_light() {
     for c in 0..3 {
         let sum: f64 = lights.iter().map(|light| light.irradiance[c]).sum();
         assert!((sum / exact[c] - 1.0).abs() < 2e-3, "{sum} {}", exact[c]);
+    }
+}
+
+/// Texels of negative light, as resampling of suns leaves them, keep their light.
+#[test]
+fn negative_light_is_subtracted() {
+    let environment = environment(8, |i, j| if (i, j) == (3, 4) { [50.0; 3] } else { [-0.1; 3] });
+    let exact = environment.channels()[0].exact(Domain::Sphere).unwrap();
+    for lights in [cells(&environment, 30, 256), environment.median_cut(30).unwrap()] {
+        assert!(lights.iter().any(|light| light.irradiance[0] < 0.0));
+        let sum: f64 = lights.iter().map(|light| light.irradiance[0]).sum();
+        assert!((sum / exact - 1.0).abs() < 0.02, "{sum} {exact}");
     }
 }
 
@@ -216,42 +225,61 @@ fn extreme_maps_have_their_light() {
 
 #[test]
 fn unusable_maps_are_errors() {
-    let black = environment(4, |_, _| [0.0; 3]);
-    assert!(matches!(black.luminance_density(), Err(Error::Density(_))));
-    assert!(matches!(black.median_cut(4), Err(Error::Density(_))));
-    let negative = environment(4, |i, _| [1.0 - 2.0 * i as f64; 3]);
-    assert!(matches!(negative.median_cut(4), Err(Error::Density(_))));
-    assert!(matches!(random_environment(2).median_cut(0), Err(Error::Setting { .. })));
-    let map = |n: usize| EnvironmentMap::new(2 * n, n, vec![1.0; 2 * n * n]).unwrap();
-    let mixed = [map(2), map(2), map(3)];
-    assert!(matches!(RgbEnvironment::new(mixed), Err(Error::Channels)));
-    let rotated = [map(2), map(2).with_first_longitude(1.0), map(2)];
-    assert!(matches!(RgbEnvironment::new(rotated), Err(Error::Channels)));
+    let new = |maps: [EnvironmentMap; 3]| RgbEnvironment::new(maps, DQuat::IDENTITY);
+    let map = |n: usize, value| EnvironmentMap::new(2 * n, n, vec![value; 2 * n * n]).unwrap();
+    assert!(matches!(new([0.0; 3].map(|x| map(2, x))), Err(Error::Density(_))));
+    assert!(matches!(new([2, 2, 3].map(|n| map(n, 1.0))), Err(Error::Channels)));
+    let shifted = map(2, 1.0).with_first_longitude(1.0);
+    assert!(matches!(new([map(2, 1.0), shifted, map(2, 1.0)]), Err(Error::Channels)));
+    let environment = new([1.0, 2.0, 3.0].map(|x| map(2, x))).unwrap();
+    assert!(matches!(environment.median_cut(0), Err(Error::Setting { .. })));
 }
 
+/// A rotation is that of every light, whether it is stated as the first longitude of the map or as
+/// a rotation of the environment.
 #[test]
-fn lights_rotate_with_the_map() {
+fn lights_rotate_with_the_environment() {
     let texel = |i: usize, j: usize| [1.0 + i as f64, 1.0 + (i * j) as f64, 2.0];
-    let at = |longitude: f64| {
-        let maps = environment(4, texel).channels().clone();
-        RgbEnvironment::new(maps.map(|map| map.with_first_longitude(longitude))).unwrap()
-    };
-    let (original, rotated) = (at(0.0), at(1.0));
-    let rotation = glam::DQuat::from_rotation_z(1.0);
-    let rotate = |lights: Vec<DirectionalLight>| {
-        lights
-            .into_iter()
-            .map(|light| DirectionalLight { direction: rotation * light.direction, ..light })
-    };
-    let cuts = rotate(original.median_cut(5).unwrap());
-    for (a, b) in cuts.zip(rotated.median_cut(5).unwrap()) {
-        assert!((a.direction - b.direction).length() < 1e-12, "{a:?} {b:?}");
-        assert!((a.irradiance[1] - b.irradiance[1]).abs() < 1e-12, "{a:?} {b:?}");
+    let maps = maps(4, texel);
+    let original = environment(4, texel);
+    let shifted = maps.clone().map(|map| map.with_first_longitude(1.3));
+    let tilt = DQuat::from_euler(EulerRot::ZYX, 0.4, 1.0, -2.0);
+    for (maps, rotation, total) in
+        [(shifted, DQuat::IDENTITY, DQuat::from_rotation_z(1.0)), (maps, tilt, tilt)]
+    {
+        let rotated = RgbEnvironment::new(maps, rotation).unwrap();
+        let rotate = |lights: Vec<DirectionalLight>| {
+            lights
+                .into_iter()
+                .map(|light| DirectionalLight { direction: total * light.direction, ..light })
+        };
+        let methods: [fn(&RgbEnvironment) -> Vec<DirectionalLight>; 2] = [
+            |environment| environment.median_cut(5).unwrap(),
+            |environment| {
+                let sample = environment.luminance_warp().sample([0.1, 0.2]);
+                environment.lights(&[sample.point], &[1.0 / sample.density])
+            },
+        ];
+        for method in methods {
+            let expected = rotate(method(&original));
+            for (a, b) in expected.zip(method(&rotated)) {
+                assert!((a.direction - b.direction).length() < 1e-12, "{a:?} {b:?}");
+                let difference = (a.irradiance[1] - b.irradiance[1]).abs();
+                assert!(difference < 1e-11 * a.irradiance[1], "{a:?} {b:?}");
+            }
+        }
+        let reference = IrradianceReference::new(&rotated).unwrap();
+        let normal = DVec3::new(0.48, 0.6, 0.64);
+        let unrotated = IrradianceReference::new(&original).unwrap();
+        let [a, b] = [
+            reference.irradiance(&[total * normal]).unwrap()[0],
+            unrotated.irradiance(&[normal]).unwrap()[0],
+        ];
+        assert!((a[1] / b[1] - 1.0).abs() < 1e-10, "{a:?} {b:?}");
+        // Tessellations are divided in random directions.
+        let error = |lights: Vec<_>| reference.relative_error(&lights).unwrap().luminance.unwrap();
+        assert!(error(cells(&rotated, 40, 64)) < 0.04);
+        assert!(error(rotate(cells(&original, 40, 64)).collect()) < 0.04);
+        assert!(error(cells(&original, 40, 64)) > 0.1);
     }
-    // Tessellations are divided in random directions.
-    let reference = IrradianceReference::new(&rotated).unwrap();
-    let error = |lights: Vec<_>| reference.relative_error(&lights).unwrap().luminance.unwrap();
-    assert!(error(cells(&rotated, 40, 64)) < 0.04);
-    assert!(error(rotate(cells(&original, 40, 64)).collect()) < 0.04);
-    assert!(error(cells(&original, 40, 64)) > 0.1);
 }

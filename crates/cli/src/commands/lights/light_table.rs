@@ -1,0 +1,108 @@
+use std::fmt::Write;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use sphvar_scene::DirectionalLight;
+
+use crate::error::CliError;
+use crate::files::{AtomicFile, is_stream};
+use crate::report::{Provenance, full};
+
+/// A light.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(super) struct LightRow {
+    /// The unit vector towards the light.
+    x: f64,
+    y: f64,
+    z: f64,
+    /// The irradiance of a surface that faces the light: radiance times solid angle, in red, green
+    /// and blue.
+    r: f64,
+    g: f64,
+    b: f64,
+}
+
+impl From<&DirectionalLight> for LightRow {
+    fn from(light: &DirectionalLight) -> Self {
+        let [x, y, z] = light.direction.to_array();
+        let [r, g, b] = light.irradiance;
+        Self { x, y, z, r, g, b }
+    }
+}
+
+/// A format of files of lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TableFormat {
+    Csv,
+    Json,
+    /// Arrays for a shader.
+    Glsl,
+}
+
+impl TableFormat {
+    /// Returns the format of the extension, after a check that the file can be written; `-` is CSV.
+    pub(super) fn of_path(path: &Path) -> Result<Self, CliError> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let format = match extension.as_deref() {
+            Some("csv") => Self::Csv,
+            Some("json") => Self::Json,
+            Some("glsl") => Self::Glsl,
+            None if is_stream(path) => Self::Csv,
+            _ => {
+                return Err(CliError::Usage(format!(
+                    "{}: lights are written as .csv, .json or .glsl",
+                    path.display()
+                )));
+            }
+        };
+        AtomicFile::check(path)?;
+        Ok(format)
+    }
+}
+
+/// Returns lights as constants of the OpenGL Shading Language.
+pub(super) fn glsl(lights: &[LightRow], provenance: &Provenance) -> String {
+    let n = lights.len();
+    let mut text = format!(
+        "// {}\n// E(normal) = sum over i of LIGHT_IRRADIANCES[i] * max(0.0, dot(normal, LIGHT_DIRECTIONS[i]))\n\
+         const int LIGHT_COUNT = {n};\n",
+        provenance.line()
+    );
+    let mut array = |name: &str, of: &dyn Fn(&LightRow) -> [f64; 3]| {
+        let vectors: Vec<String> = lights
+            .iter()
+            .map(|light| format!("    vec3({})", of(light).map(full).join(", ")))
+            .collect();
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "const vec3 {name}[{n}] = vec3[{n}](\n{}\n);", vectors.join(",\n"));
+    };
+    array("LIGHT_DIRECTIONS", &|light| [light.x, light.y, light.z]);
+    array("LIGHT_IRRADIANCES", &|light| [light.r, light.g, light.b]);
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LightRow, glsl};
+    use crate::report::Provenance;
+
+    #[test]
+    fn tables_for_shaders_are_constants() {
+        let light = LightRow { x: 0.0, y: 0.6, z: -0.8, r: 1e20, g: 0.25, b: 0.0 };
+        let text = glsl(&[light.clone(), light], &Provenance::of("sphvar lights".to_owned(), 3));
+        let expected = "// sphvar lights (sphvar 0.2.0, seed 3)
+// E(normal) = sum over i of LIGHT_IRRADIANCES[i] * max(0.0, dot(normal, LIGHT_DIRECTIONS[i]))
+const int LIGHT_COUNT = 2;
+const vec3 LIGHT_DIRECTIONS[2] = vec3[2](
+    vec3(0e0, 6e-1, -8e-1),
+    vec3(0e0, 6e-1, -8e-1)
+);
+const vec3 LIGHT_IRRADIANCES[2] = vec3[2](
+    vec3(1e20, 2.5e-1, 0e0),
+    vec3(1e20, 2.5e-1, 0e0)
+);
+";
+        assert_eq!(text, expected.replace("0.2.0", env!("CARGO_PKG_VERSION")));
+    }
+}
