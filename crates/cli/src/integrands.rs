@@ -202,13 +202,7 @@ impl IntegrandResolver for IntegrandFiles {
     fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
         let decode = |bytes: Rc<[u8]>| Environment::decode(&wanted.file, &bytes, &wanted.picture);
         let read = self.picture(&wanted.file).and_then(decode).map_err(ResolveError::new)?;
-        // A map that is read twice, for two interpolations, has the same remarks.
-        let mut remarks = self.remarks.borrow_mut();
-        for remark in read.remarks {
-            if !remarks.contains(&remark) {
-                remarks.push(remark);
-            }
-        }
+        read.remarks.into_iter().for_each(|remark| self.remark(remark));
         Ok(read.map)
     }
 
@@ -223,7 +217,8 @@ impl IntegrandResolver for IntegrandFiles {
         if let Some((.., density)) = self.densities.borrow().iter().find(known) {
             return Ok(density.clone());
         }
-        let density = wanted.density(self.environment(wanted)?, interpolation)?;
+        let map = self.environment(wanted)?;
+        let density = wanted.density(map, interpolation, |text| self.remark(text))?;
         self.densities.borrow_mut().push((wanted.clone(), interpolation, density.clone()));
         Ok(density)
     }
@@ -253,8 +248,12 @@ impl IntegrandResolver for IntegrandFiles {
         expansion::check_values
     }
 
+    /// A map that is read twice, for two interpolations, has the same remarks.
     fn remark(&self, text: String) {
-        self.remarks.borrow_mut().push(text);
+        let mut remarks = self.remarks.borrow_mut();
+        if !remarks.contains(&text) {
+            remarks.push(text);
+        }
     }
 }
 

@@ -32,14 +32,13 @@ pub trait IntegrandResolver {
     ///
     /// # Errors
     ///
-    /// Those of [`environment`](Self::environment), and [`Error`] with the reason if the map is no
-    /// density.
+    /// Those of [`environment`](Self::environment) and [`EnvironmentMap::into_density`].
     fn environment_density(
         &self,
         wanted: &EnvironmentParameters,
         interpolation: Interpolation,
     ) -> Result<DensityMap, Error> {
-        wanted.density(self.environment(wanted)?, interpolation)
+        wanted.density(self.environment(wanted)?, interpolation, |text| self.remark(text))
     }
 
     /// Returns the HEALPix map of a file.

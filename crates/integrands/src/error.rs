@@ -207,21 +207,6 @@ pub enum Error {
         /// The product.
         text: String,
     },
-    /// A texel of a density is negative.
-    #[error(
-        "a density must not be negative, but texel (row {row}, column {column}; 0-based) of {picture} \
-         is {value}"
-    )]
-    NegativeTexel {
-        /// The row from the top, 0-based.
-        row: usize,
-        /// The column from the left, 0-based.
-        column: usize,
-        /// The picture, in words.
-        picture: &'static str,
-        /// The texel.
-        value: f64,
-    },
     /// A warp cannot be built.
     #[error(transparent)]
     Warp(#[from] sphvar_warps::Error),

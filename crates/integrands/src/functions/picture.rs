@@ -96,21 +96,6 @@ impl EnvironmentMap {
     }
 }
 
-impl PictureLayout {
-    /// Returns an error on a texel of the map of a picture, with `width` texels in a row, as one on
-    /// a texel of the picture.
-    pub(crate) fn locate(&self, width: usize, error: Error) -> Error {
-        let Error::NegativeTexel { row, column, value, .. } = error else { return error };
-        let (column, picture) = match self.projection {
-            // Resampled texels are means of several.
-            Projection::Octahedral => (column, "the picture resampled to rows and columns"),
-            Projection::LatLong if self.mirror => (column, "the picture"),
-            Projection::LatLong => (width - 1 - column, "the picture"),
-        };
-        Error::NegativeTexel { row, column, picture, value }
-    }
-}
-
 /// A square map, row by row from the top.
 struct OctahedralPicture<'a> {
     side: usize,

@@ -29,7 +29,7 @@ impl Default for EnvironmentWarpParameters {
 impl Parametric for EnvironmentWarpParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
         let Self { environment, interpolation, floor } = self;
-        let file = "OpenEXR or Radiance HDR picture without negative values";
+        let file = "OpenEXR or Radiance HDR picture; negative texels count by magnitude";
         d.required_file("file", file, &mut environment.file);
         let channels = "luminance, r, g, b or a channel's name in the file";
         environment.picture.declare_with(channels, d);
@@ -43,18 +43,25 @@ impl Parametric for EnvironmentWarpParameters {
 
 impl EnvironmentParameters {
     /// Returns the density of the map with these parameters, for implementations of
-    /// [`IntegrandResolver`].
+    /// [`IntegrandResolver`]; `remark` receives the number of negative texels.
     ///
     /// # Errors
     ///
-    /// Those of [`EnvironmentMap::into_density`]; [`Error::NegativeTexel`] counts as the picture does.
+    /// Those of [`EnvironmentMap::into_density`].
     pub fn density(
         &self,
         map: EnvironmentMap,
         interpolation: Interpolation,
+        remark: impl FnOnce(String),
     ) -> Result<DensityMap, Error> {
-        let (width, layout) = (map.width(), self.picture.layout());
-        map.into_density(interpolation).map_err(|error| layout.locate(width, error))
+        let n_negative = map.texels().iter().filter(|texel| **texel < 0.0).count();
+        if n_negative > 0 {
+            let (file, len) = (self.file.display(), map.texels().len());
+            remark(format!(
+                "{file}: {n_negative} of {len} texels are negative; the density takes their magnitudes"
+            ));
+        }
+        map.into_density(interpolation)
     }
 }
 

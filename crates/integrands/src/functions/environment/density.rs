@@ -7,9 +7,13 @@ impl EnvironmentMap {
     /// Returns the density proportional to the map with bilinear interpolation, to rounding
     /// everywhere; or to its texels, which jumps between them.
     ///
+    /// Negative texels, which filters leave next to bright ones, have the density of their
+    /// magnitudes: the variance is smallest with a density proportional to |f|, and it is positive
+    /// where the map is not 0.
+    ///
     /// # Errors
     ///
-    /// [`Error::NegativeTexel`], [`Error::Warp`] if all texels are 0 or memory is exhausted.
+    /// [`Error::Warp`] if all texels are 0 or memory is exhausted.
     ///
     /// # Examples
     ///
@@ -24,11 +28,8 @@ impl EnvironmentMap {
     /// assert!((map.eval(sample.point) / sample.density - integral).abs() < 1e-13 * integral);
     /// # Ok::<(), sphvar_integrands::Error>(())
     /// ```
-    pub fn into_density(self, interpolation: Interpolation) -> Result<DensityMap, Error> {
-        if let Some(k) = self.texels.iter().position(|&value| value < 0.0) {
-            let (row, column, value) = (k / self.width, k % self.width, self.texels[k]);
-            return Err(Error::NegativeTexel { row, column, picture: "the map", value });
-        }
+    pub fn into_density(mut self, interpolation: Interpolation) -> Result<DensityMap, Error> {
+        self.texels.iter_mut().for_each(|texel| *texel = texel.abs());
         let interpolation = match interpolation {
             Interpolation::Bilinear => sphvar_warps::Interpolation::Bilinear,
             Interpolation::Constant => sphvar_warps::Interpolation::Constant,

@@ -1,4 +1,7 @@
-use sphvar_integrands::{Domain, Error, NoFiles, WarpExpression, WarpTerm};
+use sphvar_integrands::{
+    Domain, EnvironmentParameters, Error, IntegrandResolver, Interpolation, NoFiles,
+    WarpExpression, WarpTerm,
+};
 
 use super::{Picture, Sky, message};
 
@@ -156,30 +159,13 @@ fn wrong_texts_are_errors_that_name_what_is_right() {
 }
 
 #[test]
-fn maps_that_are_no_densities_are_errors_that_name_the_texel() {
-    let ones = || vec![1.0; 8];
-    let with = |k: usize, value: f64| {
-        let mut texels = ones();
-        texels[k] = value;
-        Picture(texels)
-    };
+fn maps_that_are_no_densities_are_errors() {
     let of = |text: &str, files: &Picture| {
         text.parse::<WarpExpression>().unwrap().strategies(Domain::Sphere, files)
     };
-    for (text, k, place) in [
-        (
-            "env:a.exr",
-            6,
-            "env:a.exr: a density must not be negative, but texel (row 1, column 2; 0-based) of the picture is -2",
-        ),
-        ("env:a.exr,mirror=yes * cosine", 6, "(row 1, column 2; 0-based) of the picture is -2"),
-        ("env:a.exr,rotate=50 @ 30/0", 0, "(row 0, column 0; 0-based) of the picture is -2"),
-        ("env:a.exr,projection=octahedral", 0, "of the picture resampled to rows and columns is -"),
-    ] {
-        let error = message(of(text, &with(k, -2.0)));
-        assert!(error.contains(place), "{text}: {error}");
-    }
-    let error = message(of("env:a.exr", &with(6, f64::NAN)));
+    let mut texels = vec![1.0; 8];
+    texels[6] = f64::NAN;
+    let error = message(of("env:a.exr", &Picture(texels)));
     assert!(error.contains("texel (row 1, column 2) is NaN"), "{error}");
     let error = message(of("env:a.exr", &Picture(vec![0.0; 8])));
     assert!(error.contains("env:a.exr: the density is 0 on the sphere"), "{error}");
@@ -191,4 +177,32 @@ fn maps_that_are_no_densities_are_errors_that_name_the_texel() {
     assert!(error.contains("the density is 0 on the hemisphere z >= 0"), "{error}");
     let file: WarpExpression = "cosine + env:a.exr".parse().unwrap();
     assert!(matches!(file.strategies(Domain::Sphere, &NoFiles), Err(Error::File(_))));
+}
+
+/// The density of signed values is that of their magnitudes, so it is 0 nowhere that they are not.
+#[test]
+fn negative_texels_count_by_magnitude_with_a_remark() {
+    let signed = Picture(vec![1.0, 2.0, -0.5, 4.0, 3.0, -1.0, 2.0, 1.0]);
+    let magnitudes = Picture(signed.0.iter().map(|texel| texel.abs()).collect());
+    for text in ["env:a.exr", "env:a.exr,interpolation=constant,floor=0.1 * cosine"] {
+        let expression: WarpExpression = text.parse().unwrap();
+        let of = |files: &Picture| {
+            expression.strategies(Domain::Hemisphere, files).unwrap()[0].warp.clone()
+        };
+        let (of_signed, of_magnitudes) = (of(&signed), of(&magnitudes));
+        for k in 0..100 {
+            let point = [f64::from(k) / 100.0, f64::from(k * 37 % 100) / 100.0];
+            assert_eq!(of_signed.sample(point), of_magnitudes.sample(point), "{text}");
+        }
+    }
+    let parameters = EnvironmentParameters { file: "a.exr".into(), ..Default::default() };
+    let remarks = |files: &Picture| {
+        let mut remarks = Vec::new();
+        let map = files.environment(&parameters).unwrap();
+        parameters.density(map, Interpolation::Bilinear, |text| remarks.push(text)).unwrap();
+        remarks
+    };
+    let expected = "a.exr: 2 of 8 texels are negative; the density takes their magnitudes";
+    assert_eq!(remarks(&signed), [expected]);
+    assert!(remarks(&magnitudes).is_empty());
 }
