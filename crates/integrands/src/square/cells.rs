@@ -1,33 +1,22 @@
 //! Functions on the square that are smooth between given lines, resolved by Gauss-Legendre rules on
 //! cells that are divided where the function is not smooth.
 
+mod division;
 mod line;
+mod panels;
 mod rules;
 mod spectrum;
-
-use std::collections::BTreeMap;
 
 use sphvar_warps::Warp;
 
 use super::doubling::values_into;
 use crate::{Error, SquareIntegrand};
 use line::Intervals;
-use rules::{MAX_WAVELENGTHS, Rules};
+use rules::{ORDERS, Rules};
 pub(super) use spectrum::{CellSpectrum, Variance};
 
-/// The largest frequencies that are tried for the first cells.
-const FREQUENCIES: [usize; 3] = [256, 128, 64];
 /// Values that are requested together.
 const BATCH: usize = 1 << 17;
-/// Cells are not divided further than this fraction of the square.
-const MIN_AREA: f64 = 1e-15;
-/// The points around the direction of a feature that are examined.
-const FEATURE_POINTS: u32 = 200;
-/// The angle that divides a turn by the golden section.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-/// The rounds of division.
-const MAX_ROUNDS: usize = 100;
-
 /// A rule with values of a function, whose nodes follow the lines across which a warp is not
 /// smooth.
 ///
@@ -38,15 +27,18 @@ const MAX_ROUNDS: usize = 100;
 /// u = u_0 + x (u_1 - u_0),   v = b_p(u) + (s_0 + y (s_1 - s_0)) (b_{p+1}(u) - b_p(u))
 /// ```
 ///
-/// for the breaks b_p and a share [s_0, s_1] of the interval between two of them, so that a function
+/// for the breaks `b_p` and a share `[s_0, s_1]` of the interval between two of them, so that a function
 /// that is smooth between the breaks is smooth in x and y. Orders of the product rules follow from
 /// the extents of cells in wavelengths of `kmax`.
 pub(super) struct Cells<'a> {
     function: &'a dyn SquareIntegrand,
     warp: &'a dyn Warp,
     kmax: usize,
+    min_order: usize,
     /// Of the breaks of the warp, every `stride`-th is kept.
     stride: usize,
+    /// Values of u and of v across which the function is not smooth, besides the breaks.
+    lines: [Vec<f64>; 2],
     rules: Rules,
     panels: Vec<Panel>,
     list: Vec<Cell>,
@@ -97,6 +89,14 @@ pub(super) struct Node {
     pub(super) value: f64,
 }
 
+/// Where a function is known not to be smooth.
+#[derive(Default)]
+pub(super) struct Known {
+    /// Values of u and of v.
+    pub(super) lines: [Vec<f64>; 2],
+    pub(super) features: Vec<Feature>,
+}
+
 /// A direction near which a function has a feature of a size in radians.
 pub(super) struct Feature {
     pub(super) dir: glam::DVec3,
@@ -116,132 +116,69 @@ impl Cell {
 
 impl<'a> Cells<'a> {
     /// Returns cells of at most `max` values in which the misfit is at most `relative` of the
-    /// variance, if that is possible; those at `features` are at most as large.
+    /// variance, if that is possible; those at known features are at most as large. `origin` is near the
+    /// mean.
     pub(super) fn new(
         function: &'a dyn SquareIntegrand,
         warp: &'a dyn Warp,
-        features: &[Feature],
-        relative: f64,
-        max: usize,
+        known: Known,
+        origin: f64,
+        (relative, max): (f64, usize),
     ) -> Result<Self, Error> {
         let mut cells = Self {
             function,
             warp,
             kmax: 0,
+            min_order: ORDERS[0],
             stride: 1,
+            lines: known.lines,
             rules: Rules::new()?,
             panels: Vec::new(),
             list: Vec::new(),
             nodes: Vec::new(),
             u_intervals: Intervals::default(),
             v_intervals: None,
-            origin: function.eval([0.5, 0.5]),
+            origin,
         };
         cells.choose_resolution(max - max / 8);
         cells.add_panels()?;
-        for feature in features {
+        for feature in &known.features {
             cells.divide_at(feature)?;
         }
         cells.divide(relative, max)?;
         Ok(cells)
     }
 
-    /// Chooses the largest frequency and the breaks that are kept for the first cells.
-    fn choose_resolution(&mut self, max: usize) {
-        let len = |edges: &[f64], kmax: usize| -> usize {
-            let panels = edges.windows(2).map(|pair| {
-                let (parts, wavelengths) = parts(pair[1] - pair[0], kmax);
-                parts * Rules::order(wavelengths)
-            });
-            panels.sum()
-        };
-        let last = FREQUENCIES.len() - 1;
-        for stride in (0..).map(|i| 1usize << i) {
-            self.stride = stride;
-            let u = self.thinned(self.warp.breaks_in_u());
-            let v = [0.2, 0.5, 0.8].map(|u| self.thinned(self.warp.breaks_in_v(u)));
-            for kmax in FREQUENCIES {
-                self.kmax = kmax;
-                let along_v = v.iter().map(|edges| len(edges, kmax)).max().unwrap_or(1);
-                if len(&u, kmax).saturating_mul(along_v) <= max {
-                    return;
-                }
-            }
-            // Without breaks there is nothing to thin.
-            if u.len() == 2 && v.iter().all(|edges| edges.len() == 2) {
-                self.kmax = FREQUENCIES[last];
-                return;
-            }
-        }
-    }
-
-    /// Returns the breaks that are kept, with both ends of [0, 1].
-    fn thinned(&self, breaks: Vec<f64>) -> Vec<f64> {
-        let kept = breaks.into_iter().skip(self.stride - 1).step_by(self.stride);
-        std::iter::once(0.0).chain(kept).chain([1.0]).collect()
-    }
-
-    /// Adds the first cells.
-    fn add_panels(&mut self) -> Result<(), Error> {
-        let has_breaks = |u: f64| !self.warp.breaks_in_v(u).is_empty();
-        let is_rectangular = ![0.1, 0.3, 0.5, 0.7, 0.9].into_iter().any(has_breaks);
-        let mut intervals = is_rectangular.then(Intervals::default);
-        let edges = self.thinned(self.warp.breaks_in_u());
-        for pair in edges.windows(2) {
-            let (parts_of_u, _) = parts(pair[1] - pair[0], self.kmax);
-            for [low, high] in divided([pair[0], pair[1]], parts_of_u) {
-                let u = self.u_intervals.push([low, high]);
-                let places = self.first_places([low, high], intervals.as_mut());
-                self.add_cells(u, self.panels.len() - 1, &places)?;
-            }
-        }
-        self.v_intervals = intervals;
-        Ok(())
-    }
-
-    /// Adds a panel in u, and returns the places of its cells.
-    fn first_places(&mut self, u: [f64; 2], intervals: Option<&mut Intervals>) -> Vec<Place> {
-        let order = Rules::order((u[1] - u[0]) * self.kmax as f64);
-        let at = |x: f64| self.thinned(self.warp.breaks_in_v(u[0] + x * (u[1] - u[0])));
-        let lines: Vec<Vec<f64>> =
-            self.rules.of_order(order).nodes.iter().map(|x| at(*x)).collect();
-        let is_consistent = lines.iter().all(|line| line.len() == lines[0].len());
-        let middle = &lines[order / 2];
-        let widest = |piece: usize| {
-            let width = |line: &Vec<f64>| line.get(piece + 1).map_or(0.0, |v| v - line[piece]);
-            if is_consistent { lines.iter().map(width).fold(0.0, f64::max) } else { width(middle) }
-        };
-        let mut places = Vec::new();
-        for piece in 0..middle.len() - 1 {
-            let n = parts(widest(piece), self.kmax).0;
-            places.extend(divided([0.0, 1.0], n).map(|share| Place { piece, share, v: 0 }));
-        }
-        if let Some(intervals) = intervals {
-            // The only piece is [0, 1], so all panels have the same places.
-            let is_first = intervals.len() == 0;
-            for (i, place) in places.iter_mut().enumerate() {
-                place.v = if is_first { intervals.push(place.share) } else { i };
-            }
-        }
-        let edges = (!is_consistent).then(|| middle.clone());
-        self.panels.push(Panel { edges });
-        places
-    }
-
-    /// Returns the edges in v at a value of u in a panel.
-    fn edges(&self, panel: usize, u: f64) -> Vec<f64> {
-        let edges = self.panels[panel].edges.clone();
-        edges.unwrap_or_else(|| self.thinned(self.warp.breaks_in_v(u)))
-    }
-
     /// Adds cells that share an interval in u.
     fn add_cells(&mut self, u: usize, panel: usize, places: &[Place]) -> Result<(), Error> {
+        let at = |u: f64| self.edges(panel, u);
+        let lines: Vec<Vec<f64>> = self.nodes_of_interval(u).into_iter().map(at).collect();
+        self.add_on_lines(u, panel, places, &lines)
+    }
+
+    /// Returns the order of the rule on an interval in u.
+    fn order_of_interval(&self, [low, high]: [f64; 2]) -> usize {
+        Rules::order((high - low) * self.kmax as f64, self.min_order)
+    }
+
+    fn nodes_of_interval(&self, u: usize) -> Vec<f64> {
         let [low, high] = self.u_intervals.ends(u);
-        let order = Rules::order((high - low) * self.kmax as f64);
+        let rule = self.rules.of_order(self.order_of_interval([low, high]));
+        rule.nodes.iter().map(|x| (low + x * (high - low)).min(1.0f64.next_down())).collect()
+    }
+
+    /// Adds cells that share an interval in u, with the edges in v at its nodes.
+    fn add_on_lines(
+        &mut self,
+        u: usize,
+        panel: usize,
+        places: &[Place],
+        lines: &[Vec<f64>],
+    ) -> Result<(), Error> {
+        let [low, high] = self.u_intervals.ends(u);
+        let u_nodes = self.nodes_of_interval(u);
+        let order = u_nodes.len();
         let rule = self.rules.of_order(order);
-        let at = |x: &f64| (low + x * (high - low)).min(1.0f64.next_down());
-        let u_nodes: Vec<f64> = rule.nodes.iter().map(at).collect();
-        let lines: Vec<Vec<f64>> = u_nodes.iter().map(|u| self.edges(panel, *u)).collect();
         // The start and the extent of a place on a line; edges that are missing have none.
         let extent = |line: &[f64], Place { piece, share, .. }: Place| {
             let edge = |i: usize| line.get(i).copied().unwrap_or(1.0);
@@ -250,12 +187,14 @@ impl<'a> Cells<'a> {
         };
         let widest =
             |place: Place| lines.iter().map(|line| extent(line, place).1).fold(0.0, f64::max);
-        let orders: Vec<usize> =
-            places.iter().map(|place| Rules::order(widest(*place) * self.kmax as f64)).collect();
+        let orders: Vec<usize> = places
+            .iter()
+            .map(|place| Rules::order(widest(*place) * self.kmax as f64, self.min_order))
+            .collect();
         // Line by line, because warps are faster at equal u.
         let mut points = Vec::new();
         let mut weights = Vec::new();
-        for ((u, w), line) in u_nodes.iter().zip(&rule.weights).zip(&lines) {
+        for ((u, w), line) in u_nodes.iter().zip(&rule.weights).zip(lines) {
             for (place, order) in places.iter().zip(&orders) {
                 let (start, width) = extent(line, *place);
                 let across = self.rules.of_order(*order);
@@ -331,139 +270,9 @@ impl<'a> Cells<'a> {
         self.origin + self.moments().0
     }
 
-    /// Divides the cells of the largest misfits.
-    fn divide(&mut self, relative: f64, max: usize) -> Result<(), Error> {
-        for _ in 0..MAX_ROUNDS {
-            let (first, second) = self.moments();
-            let variance = second - first * first;
-            let error: f64 = self.live().map(Cell::error).sum();
-            if error <= relative * variance || error <= f64::EPSILON * f64::EPSILON * second {
-                break;
-            }
-            let is_divisible = |cell: &&Cell| cell.area > MIN_AREA;
-            let largest = self.live().filter(is_divisible).map(Cell::error).fold(0.0, f64::max);
-            let mut chosen: Vec<usize> = (0..self.list.len())
-                .filter(|i| {
-                    let cell = &self.list[*i];
-                    !cell.is_divided && is_divisible(&cell) && cell.error() > 0.25 * largest
-                })
-                .collect();
-            // Halves have fewer nodes than their cell each.
-            let mut room = max.saturating_sub(self.nodes.len());
-            chosen.retain(|i| {
-                let len = 2 * self.list[*i].len();
-                let fits = len <= room;
-                room -= if fits { len } else { room };
-                fits
-            });
-            if chosen.is_empty() {
-                break;
-            }
-            self.halve(&chosen)?;
-        }
-        Ok(())
-    }
-
-    /// Divides cells along the coordinate of their larger misfit.
-    fn halve(&mut self, cells: &[usize]) -> Result<(), Error> {
-        let along: Vec<(usize, usize)> = cells
-            .iter()
-            .map(|i| (*i, usize::from(self.list[*i].misfit[1] > self.list[*i].misfit[0])))
-            .collect();
-        self.halve_along(&along)
-    }
-
-    fn halve_along(&mut self, cells: &[(usize, usize)]) -> Result<(), Error> {
-        let mut groups: BTreeMap<(usize, usize), Vec<Place>> = BTreeMap::new();
-        for &(i, coordinate) in cells {
-            let cell = &mut self.list[i];
-            cell.is_divided = true;
-            let (place, u, panel) = (cell.place, cell.u, cell.panel);
-            if coordinate == 0 {
-                for half in self.u_intervals.halves(u) {
-                    groups.entry((half, panel)).or_default().push(place);
-                }
-                continue;
-            }
-            let middle = f64::midpoint(place.share[0], place.share[1]);
-            let halves = self.v_intervals.as_mut().map_or([0; 2], |all| all.halves(place.v));
-            let shares = [[place.share[0], middle], [middle, place.share[1]]];
-            let both = shares.into_iter().zip(halves);
-            let both = both.map(|(share, v)| Place { piece: place.piece, share, v });
-            groups.entry((u, panel)).or_default().extend(both);
-        }
-        groups.into_iter().try_for_each(|((u, panel), places)| self.add_cells(u, panel, &places))
-    }
-
-    /// Divides the cells around a direction until they are no larger than a feature there.
-    fn divide_at(&mut self, feature: &Feature) -> Result<(), Error> {
-        // A Fibonacci spiral over the disk around the direction, because a pole of the warp is the
-        // side of many cells.
-        let (x, y) = feature.dir.any_orthonormal_pair();
-        let dirs = (0..FEATURE_POINTS).map(|i| {
-            let radius = feature.size * ((f64::from(i) + 0.5) / f64::from(FEATURE_POINTS)).sqrt();
-            let (sin, cos) = (GOLDEN_ANGLE * f64::from(i)).sin_cos();
-            (feature.dir + radius * (cos * x + sin * y)).normalize()
-        });
-        let warp = self.warp;
-        for [u, v] in dirs.filter_map(|dir| warp.inverse(dir)) {
-            for _ in 0..MAX_ROUNDS {
-                let Some(i) = self.cell_of([u, v]) else { break };
-                let cell = &self.list[i];
-                let nodes = &self.nodes[cell.first..cell.first + cell.len()];
-                let map = |k: usize| self.warp.map(nodes[k].point);
-                let (first, last) = (map(0), cell.len() - 1);
-                let extents = [map(last - (cell.orders[1] - 1)), map(cell.orders[1] - 1)]
-                    .map(|dir| dir.distance(first));
-                if cell.area <= MIN_AREA || extents[0].max(extents[1]) <= 0.5 * feature.size {
-                    break;
-                }
-                self.halve_along(&[(i, usize::from(extents[1] > extents[0]))])?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the cell that contains a point.
-    fn cell_of(&self, [u, v]: [f64; 2]) -> Option<usize> {
-        let mut edges: Option<(usize, Vec<f64>)> = None;
-        self.list.iter().position(|cell| {
-            let [low, high] = self.u_intervals.ends(cell.u);
-            if cell.is_divided || !(low..high).contains(&u) {
-                return false;
-            }
-            if edges.as_ref().is_none_or(|(panel, _)| *panel != cell.panel) {
-                edges = Some((cell.panel, self.edges(cell.panel, u)));
-            }
-            let Place { piece, share, .. } = cell.place;
-            edges.as_ref().and_then(|(_, edges)| edges.get(piece..piece + 2)).is_some_and(|pair| {
-                let place = (v - pair[0]) / (pair[1] - pair[0]);
-                (share[0]..share[1]).contains(&place)
-            })
-        })
-    }
-
     /// Returns the nodes of all cells that are not divided.
     pub(super) fn nodes(&self) -> impl Iterator<Item = &Node> + Clone {
         let cells = self.list.iter().filter(|cell| !cell.is_divided);
         cells.flat_map(|cell| &self.nodes[cell.first..cell.first + cell.len()])
     }
-}
-
-/// Returns the number of parts of a panel of this width, and the wavelengths in each.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a positive number of some hundred"
-)]
-fn parts(width: f64, kmax: usize) -> (usize, f64) {
-    let wavelengths = width * kmax as f64;
-    let parts = (wavelengths / MAX_WAVELENGTHS).ceil().max(1.0);
-    (parts as usize, wavelengths / parts)
-}
-
-/// Returns equal parts of an interval.
-fn divided([low, high]: [f64; 2], n: usize) -> impl Iterator<Item = [f64; 2]> {
-    let edge = move |i: usize| if i == n { high } else { low + (high - low) * i as f64 / n as f64 };
-    (0..n).map(move |i| [edge(i), edge(i + 1)])
 }

@@ -1,9 +1,9 @@
 //! Functions of direction as functions on the square, divided by the density of a map.
 
+mod known;
 mod strategy;
 mod support;
 
-use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 use std::sync::Arc;
 
@@ -11,10 +11,11 @@ use glam::DVec3;
 use sphvar_sh::{ByAxis, Frequencies};
 use sphvar_warps::Warp;
 
-use super::cells::{CellSpectrum, Cells, Feature, Variance};
+use super::cells::{CellSpectrum, Cells, Variance};
 use super::doubling::{SquareEstimate, values_into};
-use super::energy::zeros;
-use crate::{Circle, Domain, Energy, Error, Integrand, SquareIntegrand, Tolerance};
+use super::energy::{check_values, zeros};
+use crate::{Domain, Energy, Error, Integrand, SquareIntegrand, Tolerance};
+use known::known;
 use strategy::Ratio;
 use support::UniformDirections;
 
@@ -88,9 +89,9 @@ impl fmt::Debug for PulledBack<'_> {
 
 impl<'a> PulledBack<'a> {
     /// The tolerance of predictions, which takes some 0.1 to 1 s. The misfit of the values is at most
-    /// 1e-4 of the variance where a million values are enough for it.
+    /// 1e-3 of the variance where a million values are enough for it.
     pub const TOLERANCE: Tolerance =
-        Tolerance { relative: 1e-4, min_evaluations: 1 << 14, max_evaluations: 1 << 20 };
+        Tolerance { relative: 1e-3, min_evaluations: 1 << 14, max_evaluations: 1 << 20 };
 
     /// Returns the integrand pulled back by a map of directions.
     ///
@@ -136,15 +137,16 @@ impl<'a> PulledBack<'a> {
             let estimate = Estimate::Constant { mean: grid.mean, variance };
             return Ok(Self { exact, largest: grid.largest(ratio.warp()), ratio, estimate });
         }
-        let features = features(ratio.integrand);
-        let max_nodes = if features.is_empty() { MAX_NODES } else { 0 };
+        let known = known(ratio.integrand, ratio.warp());
+        let max_nodes = if known.features.is_empty() { MAX_NODES } else { 0 };
         let evaluations = [min_evaluations, max_evaluations];
         let (resolved, n) = SquareEstimate::of_polynomial(&ratio, max_nodes, evaluations)?;
         let (estimate, largest) = if let Some(resolved) = resolved {
             (Estimate::Resolved(Box::new(resolved)), grid.largest(ratio.warp()))
         } else {
             let max = max_evaluations.saturating_sub(n);
-            let cells = Cells::new(&ratio, ratio.warp(), &features, relative, max)?;
+            let limits = (relative, max);
+            let cells = Cells::new(&ratio, ratio.warp(), known, grid.mean, limits)?;
             let integral = cells.integral();
             let variance = known_variance(&ratio).map_or_else(
                 || {
@@ -207,25 +209,7 @@ const MAX_NODES: usize = 128;
 /// The errors by which the integral of the values may differ from the exact one, and the difference
 /// relative to the root mean square that is never an error.
 const MAX_ERRORS: f64 = 8.0;
-const MISSED: f64 = 1e-3;
-
-/// Returns the small features of an integrand whose edges are known.
-fn features(integrand: &dyn Integrand) -> Vec<Feature> {
-    /// Larger ones are found without their place; functions with more edges are maps.
-    const MAX_SIZE: f64 = 0.2;
-    const MAX_EDGES: usize = 64;
-    let Ok(shape) = integrand.shape() else { return Vec::new() };
-    if shape.edges().len() > MAX_EDGES {
-        return Vec::new();
-    }
-    let circles = shape.edges().iter().copied().chain(shape.support());
-    let feature = |circle: Circle| {
-        let (size, sign) =
-            if circle.angle < FRAC_PI_2 { (circle.angle, 1.0) } else { (PI - circle.angle, -1.0) };
-        (size < MAX_SIZE && size > 0.0).then(|| Feature { dir: sign * circle.axis, size })
-    };
-    circles.filter_map(feature).collect()
-}
+const MISSED: f64 = 1e-2;
 
 /// Returns the integral of the integrand of the only strategy, if it is known.
 fn exact_integral(ratio: &Ratio<'_>) -> Option<f64> {
@@ -268,6 +252,7 @@ impl GridValues {
             .collect();
         let mut values = vec![0.0; points.len()];
         values_into(ratio, &points, &mut values)?;
+        check_values(&values)?;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         Ok(Self { points, values, mean })
     }

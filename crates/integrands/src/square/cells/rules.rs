@@ -4,8 +4,8 @@ use crate::Error;
 
 /// The number of nodes of the polynomials to which cells are added along an axis.
 pub(super) const LINE_NODES: usize = 8;
-/// The orders of the rules.
-const ORDERS: [usize; 2] = [2, LINE_NODES];
+/// The lowest and the highest order of the rules.
+pub(super) const ORDERS: [usize; 2] = [2, LINE_NODES];
 /// The width of a panel, in wavelengths, that the rule of the highest order resolves to 1e-3.
 pub(super) const MAX_WAVELENGTHS: f64 = 2.5;
 
@@ -53,16 +53,17 @@ impl Rules {
         apply(&self.halves[half], values)
     }
 
-    /// Returns the order that integrates waves of this number of wavelengths in a panel to about 1e-3.
+    /// Returns the order, at least `min`, that integrates waves of this number of wavelengths in a
+    /// panel to about 1e-3.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a small positive number"
     )]
-    pub(super) fn order(wavelengths: f64) -> usize {
+    pub(super) fn order(wavelengths: f64, min: usize) -> usize {
         // The error of n nodes for e^{iax} on [-1, 1], a = pi times the wavelengths, is
         // 2^(2n+1) n!^4 a^(2n)/((2n+1) (2n)!^3).
-        ((1.55 + 2.5 * wavelengths).ceil() as usize).clamp(ORDERS[0], ORDERS[1])
+        ((1.55 + 2.5 * wavelengths).ceil() as usize).clamp(min, ORDERS[1])
     }
 }
 

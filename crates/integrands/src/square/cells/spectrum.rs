@@ -3,22 +3,22 @@
 use sphvar_nufft::{TorusCoefficients, TorusTransform, TorusWorkspace};
 use sphvar_sh::{Bands, ByAxis, Frequencies, TailClasses};
 
-use super::Cells;
-use super::line::{LineFunction, transform_error};
+use super::line::{Intervals, LineFunction, transform_error};
 use super::rules::{LINE_NODES, Rules};
+use super::{Cell, Cells};
 use crate::square::energy::{check_values, zeros};
 use crate::{Energy, Error, quadrature};
 
 /// The accuracy of Fourier coefficients, relative to the mean of absolute values.
 const EPSILON: f64 = 1e-8;
-/// That of the fields of misfits, of which some digits are enough.
-const MISFIT_EPSILON: f64 = 1e-3;
+/// That of the coefficients of shifts, of which some digits are enough.
+const SHIFT_EPSILON: f64 = 1e-3;
 /// The standard errors by which an independent estimate of the variance differs significantly: one in
 /// 16 000 does by chance.
 const SIGNIFICANT: f64 = 4.0;
-/// The estimates that are compared: the values, and three that add the misfit of each cell to its
-/// values, with signs that are independent, equal at equal u, or equal at equal v.
-const ESTIMATES: usize = 4;
+/// The other estimates that are compared, which add the misfit of each cell to its values, with
+/// signs that are independent, equal at equal u, or equal at equal v.
+const OTHERS: usize = 3;
 
 /// Integral and energies of a function from values on [`Cells`].
 ///
@@ -56,10 +56,10 @@ struct Estimate {
 #[derive(Clone, Debug)]
 enum AlongV {
     Line(LineFunction),
-    /// `|G_k|^2` of (0, k), continued by `law/k^2` beyond the last.
+    /// `|G_k|^2` of (0, k), continued by `decay/k^2` beyond the last.
     Squares {
         squares: Vec<f64>,
-        law: f64,
+        decay: f64,
     },
 }
 
@@ -73,30 +73,33 @@ impl CellSpectrum {
     pub(in crate::square) fn new(cells: &Cells<'_>, variance: Variance) -> Result<Self, Error> {
         let values: Vec<f64> = cells.nodes().map(|node| node.value).collect();
         check_values(&values)?;
-        let mean = cells.nodes().map(|n| n.weight * (n.value - cells.origin)).sum::<f64>();
         let known = Frequencies::new(cells.kmax)?;
-        let fields = Fields::new(cells, cells.origin + mean)?;
+        let fields = Fields::new(cells);
         let transforms = fields.transforms(cells.kmax)?;
+        let along_u = fields.along(0, &cells.rules, &cells.u_intervals, |cell| cell.u);
+        let along_v = cells.v_intervals.as_ref().map(|intervals| {
+            fields.along(1, &cells.rules, intervals, |cell| cell.place.v).map(AlongV::Line)
+        });
+        let last = i32::try_from(cells.kmax).unwrap_or(i32::MAX);
+        let mut along_v = along_v.into_iter().flatten();
         let mut estimates = Vec::new();
-        for j in 0..ESTIMATES {
+        let mut of_mean = 0.0f64;
+        for (j, along_u) in along_u.into_iter().enumerate() {
             let coefficient = |k: [i32; 2]| {
                 let at = |j: usize| transforms[j].get(k[0], k[1]).unwrap_or_default();
                 if j == 0 { at(0) } else { at(0) + at(j) }
             };
             let squares = (0..known.len()).map(|b| coefficient(known.frequency(b)).norm_sqr());
-            let along_u = fields.along_u(cells, j);
+            let (mean, own) = fields.moments(cells.origin, j);
+            of_mean = of_mean.max(mean.abs());
             let total = match variance {
                 Variance::Exact(exact) => exact,
-                _ => fields.variance(j),
+                Variance::Estimate(..) => own,
             };
             let u = along_u.variance(&cells.rules).min(total);
-            let along_v = match fields.along_v(cells, j) {
-                Some(line) => AlongV::Line(line),
-                None => {
-                    let last = i32::try_from(cells.kmax).unwrap_or(i32::MAX);
-                    AlongV::new((0..=last).map(|k| coefficient([0, k]).norm_sqr()).collect())
-                }
-            };
+            let along_v = along_v.next().unwrap_or_else(|| {
+                AlongV::new((0..=last).map(|k| coefficient([0, k]).norm_sqr()).collect())
+            });
             let v = along_v.variance(&cells.rules).min(total - u);
             let variances = ByAxis { off: total - u - v, u, v };
             estimates.push(Estimate { squares: squares.collect(), along_u, along_v, variances });
@@ -109,7 +112,6 @@ impl CellSpectrum {
                 estimates.push(estimate);
             }
         }
-        let of_mean = (1..ESTIMATES).map(|j| fields.mean(j).abs()).fold(0.0, f64::max);
         let largest = cells.nodes().fold((0.0, [0.5; 2]), |(largest, at), node| {
             if node.value.abs() > largest { (node.value.abs(), node.point) } else { (largest, at) }
         });
@@ -117,7 +119,7 @@ impl CellSpectrum {
         Ok(Self {
             estimates,
             known,
-            integral: (cells.origin + mean, of_mean),
+            integral: (fields.mean, of_mean),
             kurtosis: quadrature::weighted_kurtosis(|| {
                 cells.nodes().map(|node| (node.weight, node.value))
             }),
@@ -142,8 +144,8 @@ impl CellSpectrum {
             let along_u = squares(&estimate.along_u, &rules, axis)?;
             let along_v = match &estimate.along_v {
                 AlongV::Line(line) => squares(line, &rules, axis)?,
-                AlongV::Squares { squares, law } => {
-                    let beyond = (squares.len()..=axis).map(|k| law / (k as f64).powi(2));
+                AlongV::Squares { squares, decay } => {
+                    let beyond = (squares.len()..=axis).map(|k| decay / (k as f64).powi(2));
                     squares.iter().copied().chain(beyond).collect()
                 }
             };
@@ -178,142 +180,140 @@ impl AlongV {
         let last = squares.len() - 1;
         let octave = last / 2 + 1..=last;
         let n = octave.clone().count().max(1) as f64;
-        let law = octave.map(|k| (k as f64).powi(2) * squares[k]).sum::<f64>() / n;
-        Self::Squares { squares, law }
+        let decay = octave.map(|k| (k as f64).powi(2) * squares[k]).sum::<f64>() / n;
+        Self::Squares { squares, decay }
     }
 
     fn variance(&self, rules: &Rules) -> f64 {
         match self {
             Self::Line(line) => line.variance(rules),
-            Self::Squares { squares, law } => {
-                let beyond = law / (squares.len() as f64 - 0.5);
+            Self::Squares { squares, decay } => {
+                let beyond = decay / (squares.len() as f64 - 0.5);
                 2.0 * (squares.iter().skip(1).sum::<f64>() + beyond)
             }
         }
     }
 }
 
-/// The values without their mean, and the misfits of the cells with signs.
+/// The values without their mean, and a shift of each cell for every other estimate.
 struct Fields<'c> {
+    cells: Vec<&'c Cell>,
     points: Vec<[f64; 2]>,
-    /// The weights of the nodes.
-    weights: Vec<f64>,
-    /// For every estimate, the values at the nodes of its own field.
-    values: [Vec<f64>; ESTIMATES],
-    cells: Vec<&'c super::Cell>,
+    /// The values times their weights.
+    weighted: Vec<f64>,
+    /// For every other estimate, the misfits of the cells with its signs.
+    shifts: [Vec<f64>; OTHERS],
+    mean: f64,
 }
 
 impl<'c> Fields<'c> {
-    fn new(cells: &'c Cells<'_>, mean: f64) -> Result<Self, Error> {
-        let live: Vec<&super::Cell> = cells.live().collect();
-        let n: usize = live.iter().map(|cell| cell.len()).sum();
-        let mut points = Vec::with_capacity(n);
-        let mut weights = Vec::with_capacity(n);
-        let mut values: [Vec<f64>; ESTIMATES] = Default::default();
-        for values in &mut values {
-            *values = zeros(n)?;
-        }
-        for cell in &live {
+    fn new(all: &'c Cells<'_>) -> Self {
+        let mean = all.integral();
+        let cells: Vec<&Cell> = all.live().collect();
+        let mut shifts: [Vec<f64>; OTHERS] = Default::default();
+        for cell in &cells {
             let misfit = (cell.misfit[0] + cell.misfit[1]).sqrt();
-            let u = cells.u_intervals.ends(cell.u)[0].to_bits();
+            let u = all.u_intervals.ends(cell.u)[0].to_bits();
             let place = cell.place.share[0].to_bits() ^ ((cell.place.piece as u64) << 32);
             let signs = [sign(u ^ place.rotate_left(17)), sign(u), sign(place)];
-            for node in &cells.nodes[cell.first..cell.first + cell.len()] {
-                let i = points.len();
-                points.push(node.point);
-                weights.push(node.weight);
-                values[0][i] = node.value - mean;
-                for (values, sign) in values[1..].iter_mut().zip(signs) {
-                    values[i] = sign * misfit;
-                }
+            for (shifts, sign) in shifts.iter_mut().zip(signs) {
+                shifts.push(sign * misfit);
             }
         }
-        Ok(Self { points, weights, values, cells: live })
+        let points = all.nodes().map(|node| node.point).collect();
+        let weighted = all.nodes().map(|node| node.weight * (node.value - mean)).collect();
+        Self { cells, points, weighted, shifts, mean }
     }
 
-    /// Returns the value of an estimate at a node.
-    fn value(&self, estimate: usize, i: usize) -> f64 {
-        let own = if estimate == 0 { 0.0 } else { self.values[estimate][i] };
-        self.values[0][i] + own
+    /// Returns the shift of a cell in an estimate, of which 0 are the values.
+    fn shift(&self, estimate: usize, cell: usize) -> f64 {
+        if estimate == 0 { 0.0 } else { self.shifts[estimate - 1][cell] }
     }
 
-    fn mean(&self, estimate: usize) -> f64 {
-        self.weights.iter().enumerate().map(|(i, w)| w * self.value(estimate, i)).sum()
+    /// Returns the mean of an estimate without that of the values, and its variance.
+    fn moments(&self, origin: f64, estimate: usize) -> (f64, f64) {
+        let (mut first, mut second) = (0.0, 0.0);
+        for (i, cell) in self.cells.iter().enumerate() {
+            // Moments about the mean from those about the origin.
+            let (shift, offset) = (self.shift(estimate, i), self.mean - origin);
+            let centred = cell.moments[0] - cell.area * offset;
+            let square = cell.moments[1] - offset * (cell.moments[0] + centred);
+            first += centred + cell.area * shift;
+            second += square + shift * (2.0 * centred + cell.area * shift);
+        }
+        (first, (second - first * first).max(0.0))
     }
 
-    fn variance(&self, estimate: usize) -> f64 {
-        let mean = self.mean(estimate);
-        let square = |(i, w): (usize, &f64)| w * (self.value(estimate, i) - mean).powi(2);
-        self.weights.iter().enumerate().map(square).sum()
-    }
-
-    /// Returns the Fourier coefficients of the values and of the fields of misfits.
+    /// Returns the Fourier coefficients of the values, and of the shifts as masses at the centres of
+    /// cells.
     fn transforms(&self, kmax: usize) -> Result<Vec<TorusCoefficients>, Error> {
-        let weighted = |values: &Vec<f64>| -> Vec<f64> {
-            values.iter().zip(&self.weights).map(|(x, w)| x * w).collect()
+        let centre = |(cell, first): (&&Cell, usize)| {
+            let middle = (cell.orders[0] / 2) * cell.orders[1] + cell.orders[1] / 2;
+            self.points[first + middle]
         };
-        let weighted: Vec<Vec<f64>> = self.values.iter().map(weighted).collect();
-        let weights: Vec<&[f64]> = weighted.iter().map(Vec::as_slice).collect();
-        let mut out: Vec<TorusCoefficients> = (0..ESTIMATES)
+        let mut before = 0;
+        let starts = self.cells.iter().map(|cell| {
+            before += cell.len();
+            before - cell.len()
+        });
+        let centres: Vec<[f64; 2]> = self.cells.iter().zip(starts).map(centre).collect();
+        let masses = |shifts: &Vec<f64>| -> Vec<f64> {
+            self.cells.iter().zip(shifts).map(|(cell, shift)| cell.area * shift).collect()
+        };
+        let masses = self.shifts.each_ref().map(masses);
+        let mut out: Vec<TorusCoefficients> = (0..=OTHERS)
             .map(|_| TorusCoefficients::zeros(kmax))
             .collect::<Result<_, _>>()
             .map_err(transform_error)?;
         let workspace = &mut TorusWorkspace::default();
-        for (epsilon, range) in [(EPSILON, 0..1), (MISFIT_EPSILON, 1..ESTIMATES)] {
-            let transform = TorusTransform::new(kmax, epsilon).map_err(transform_error)?;
-            transform
-                .adjoint_batch_into(
-                    &self.points,
-                    &weights[range.clone()],
-                    workspace,
-                    &mut out[range],
-                )
-                .map_err(transform_error)?;
-        }
+        TorusTransform::new(kmax, EPSILON)
+            .and_then(|transform| {
+                let weights = Some(&self.weighted[..]);
+                transform.adjoint_into(&self.points, weights, workspace, &mut out[0])
+            })
+            .map_err(transform_error)?;
+        TorusTransform::new(kmax, SHIFT_EPSILON)
+            .and_then(|transform| {
+                let weights = masses.each_ref().map(Vec::as_slice);
+                transform.adjoint_batch_into(&centres, &weights, workspace, &mut out[1..])
+            })
+            .map_err(transform_error)?;
         Ok(out)
     }
 
-    /// Returns the integral over v of an estimate.
-    fn along_u(&self, cells: &Cells<'_>, estimate: usize) -> LineFunction {
-        let mut sums = vec![[0.0; LINE_NODES]; cells.u_intervals.len()];
+    /// Returns the integral over the other coordinate of an estimate, from the intervals of this one
+    /// (0 for u, 1 for v) and that of each cell.
+    fn along(
+        &self,
+        coordinate: usize,
+        rules: &Rules,
+        intervals: &Intervals,
+        interval: impl Fn(&Cell) -> usize,
+    ) -> [LineFunction; 1 + OTHERS] {
+        let mut sums: [Vec<[f64; LINE_NODES]>; 1 + OTHERS] = Default::default();
+        for sums in &mut sums {
+            sums.resize(intervals.len(), [0.0; LINE_NODES]);
+        }
         let mut first = 0;
-        for cell in &self.cells {
-            let [low, high] = cells.u_intervals.ends(cell.u);
-            let rule = cells.rules.of_order(cell.orders[0]);
+        for (i, cell) in self.cells.iter().enumerate() {
+            let own = interval(cell);
+            let [low, high] = intervals.ends(own);
+            let order = cell.orders[coordinate];
+            let rule = rules.of_order(order);
             let mut line = [0.0; LINE_NODES];
-            for (i, w) in rule.weights.iter().enumerate() {
-                let start = first + i * cell.orders[1];
-                let sum: f64 = (start..start + cell.orders[1])
-                    .map(|k| self.weights[k] * self.value(estimate, k))
-                    .sum();
-                line[i] = sum / (w * (high - low));
+            for (k, weighted) in self.weighted[first..first + cell.len()].iter().enumerate() {
+                let place = if coordinate == 0 { k / cell.orders[1] } else { k % cell.orders[1] };
+                line[place] += weighted / (rule.weights[place] * (high - low));
             }
-            let at = rule.to_line(&line[..cell.orders[0]]);
-            sums[cell.u].iter_mut().zip(at).for_each(|(sum, x)| *sum += x);
+            let at = rule.to_line(&line[..order]);
+            let extent = cell.area / (high - low);
+            for (estimate, sums) in sums.iter_mut().enumerate() {
+                let shift = self.shift(estimate, i) * extent;
+                sums[own].iter_mut().zip(at).for_each(|(sum, x)| *sum += x + shift);
+            }
             first += cell.len();
         }
-        cells.u_intervals.sum(&cells.rules, sums)
-    }
-
-    /// Returns the integral over u of an estimate if all cells are rectangles.
-    fn along_v(&self, cells: &Cells<'_>, estimate: usize) -> Option<LineFunction> {
-        let intervals = cells.v_intervals.as_ref()?;
-        let mut sums = vec![[0.0; LINE_NODES]; intervals.len()];
-        let mut first = 0;
-        for cell in &self.cells {
-            let [low, high] = intervals.ends(cell.place.v);
-            let rule = cells.rules.of_order(cell.orders[1]);
-            let mut line = [0.0; LINE_NODES];
-            for (j, w) in rule.weights.iter().enumerate() {
-                let column = (first + j..first + cell.len()).step_by(cell.orders[1]);
-                let sum: f64 = column.map(|k| self.weights[k] * self.value(estimate, k)).sum();
-                line[j] = sum / (w * (high - low));
-            }
-            let at = rule.to_line(&line[..cell.orders[1]]);
-            sums[cell.place.v].iter_mut().zip(at).for_each(|(sum, x)| *sum += x);
-            first += cell.len();
-        }
-        Some(intervals.sum(&cells.rules, sums))
+        sums.map(|sums| intervals.sum(rules, sums))
     }
 }
 

@@ -5,5 +5,7 @@ mod cases;
 mod energies;
 mod extremes;
 mod grammar;
+mod pulled_back;
+mod pulled_back_statistics;
 mod sums;
 mod variation;
