@@ -47,7 +47,7 @@ impl Environment {
 }
 
 /// Returns the content of a file, that of the built-in probe where its file does not exist.
-pub(super) fn bytes_of(file: &Path) -> Result<Vec<u8>, CliError> {
+pub(crate) fn bytes_of(file: &Path) -> Result<Vec<u8>, CliError> {
     if file == Path::new(CITY_FILE) && !file.exists() {
         return Ok(CITY.to_vec());
     }

@@ -96,6 +96,21 @@ fn studies_and_sheets_take_densities() {
     assert!(image::open(place.path("s.png")).unwrap().width() > 72);
 }
 
+/// The built-in probe, whose file need not exist.
+#[test]
+fn the_probe_of_the_examples_lights_a_mesh() {
+    let place = Workplace::new();
+    place.write("pyramid.obj", PYRAMID);
+    let integral = "--integral irradiance:env=data/city.exr";
+    let run = |sampler: &str| {
+        place
+            .run(&format!("render pyramid.obj {integral} {SMALL} -n 96 --json --sampler {sampler}"))
+    };
+    let (cosine, uniform) = (run("sobol:warp=cosine").json(), run("jittered").json());
+    assert_eq!(cosine["biased_pixels"], 0, "{cosine}");
+    assert!(1.5 * number(&cosine, "mse") < number(&uniform, "mse"), "{cosine} {uniform}");
+}
+
 #[test]
 fn threads_do_not_show() {
     let run = |threads: u32| {

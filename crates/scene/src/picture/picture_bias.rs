@@ -21,8 +21,8 @@ impl PictureBias {
     pub const ALPHA: f64 = 0.01;
 
     /// Tests the pixels with these numbers. `moments(k)` returns the mean and variance of the
-    /// errors of the k-th pixel over `renders` renders with `n_points` directions, and `spread(k)`
-    /// N times the variance for N independent directions of their density. Returns `None` without
+    /// errors of the k-th pixel over `renders` renders with `n_points` directions, and
+    /// `contribution(k)` N times the size of those directions that contribute. Returns `None` without
     /// pixels or with fewer than two renders.
     pub(crate) fn new(
         reference: &Image,
@@ -30,7 +30,7 @@ impl PictureBias {
         renders: usize,
         n_points: usize,
         moments: impl Fn(usize) -> (f64, f64),
-        spread: impl Fn(usize) -> f64,
+        contribution: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let count = renders as f64;
         let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
@@ -51,7 +51,7 @@ impl PictureBias {
             // single direction, of the size of those that contribute, cannot be resolved.
             let value = reference.values[i];
             let resolution = if is_random && value > 0.0 {
-                (value + spread(k) / value) / (count * n_points as f64)
+                contribution(k) / (count * n_points as f64)
             } else {
                 0.0
             };

@@ -57,7 +57,8 @@ pub struct ErrorReport {
     pub bias_squared: Estimate,
     /// The largest error of a pixel in magnitude, averaged over renders, in units of the root mean
     /// squared error: a measure of fireflies. It is 4.0 for 10^4 pixels with normal errors of equal
-    /// variance, and 5.0 for 10^6. NaN without errors.
+    /// variance, and 5.0 for 10^6; it is larger where single directions carry much of a pixel, or
+    /// where errors differ between parts of the picture. NaN without errors.
     pub firefly: Estimate,
     /// The variance of mean errors over 8 by 8 pixels, relative to its value for independent
     /// pixels: 1 for independent pixels, 64 if all errors in a square are equal. NaN if no square
@@ -187,17 +188,33 @@ impl<'a> RenderErrors<'a> {
                 count,
                 self.n_points,
                 |k| moments[k],
-                |k| self.sampled_spread(self.pixels[k]),
+                self.contribution(&moments),
             ),
         }
     }
 
-    /// Returns N times the variance of a pixel for N independent directions of the density of the
-    /// renders.
-    fn sampled_spread(&self, pixel: usize) -> f64 {
-        match self.sampled_spreads.get(pixel) {
-            Some(sum) => sum / self.errors.len() as f64,
-            None => self.reference.spreads[pixel],
+    /// Returns the size of those directions that contribute to the k-th pixel, `<g^2>/<g>` for
+    /// estimates `(1/N) sum g`: from the reference for uniform directions, otherwise from the
+    /// renders; where these are 0, for the whole picture.
+    fn contribution(&self, moments: &[(f64, f64)]) -> impl Fn(usize) -> f64 {
+        let of_renders = |k: usize| {
+            let pixel = self.pixels[k];
+            let mean = self.reference.values[pixel] + moments[k].0;
+            let spread = self.sampled_spreads[pixel] / self.errors.len() as f64;
+            [mean * mean + spread, mean]
+        };
+        let is_uniform = self.sampled_spreads.is_empty();
+        let pixels = if is_uniform { 0..0 } else { 0..self.pixels.len() };
+        let sums = pixels.map(of_renders).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        let of_picture = sums[0] / sums[1];
+        move |k| {
+            if is_uniform {
+                let pixel = self.pixels[k];
+                let value = self.reference.values[pixel];
+                return value + self.reference.spreads[pixel] / value;
+            }
+            let [square, mean] = of_renders(k);
+            if mean > 0.0 { square / mean } else { of_picture }
         }
     }
 

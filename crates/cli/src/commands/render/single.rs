@@ -94,7 +94,7 @@ pub(crate) struct ErrorRecord {
     #[schemars(with = "Option<f64>")]
     pub(super) variance_reduction: f64,
     /// The largest error of a pixel, averaged over renders, in units of the root mean squared error:
-    /// 4 to 5 for normal errors, more with fireflies.
+    /// 4 to 5 for normal errors of equal size, more with fireflies.
     #[schemars(with = "Option<f64>")]
     pub(super) firefly: f64,
     /// The standard error of `firefly`.
@@ -271,7 +271,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
         text += &format!(
             "mean squared error {} (renders: {}), {} times smaller than the {} of white noise\n\
              variance {}, squared bias {}\n\
-             largest error of a pixel {} times the root mean square (4 to 5: normal errors, more: fireflies)\n\
+             largest error of a pixel {} times the root mean square (4 to 5 for normal errors of equal size)\n\
              structured error {} (1: independent pixels), correlation of neighbours {}\n",
             number::with_uncertainty(record.mse, record.mse_stderr),
             trials.renders,

@@ -14,7 +14,7 @@ use super::reference_file::fingerprint;
 use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
-use crate::integrands::environment::{Environment, to_map};
+use crate::integrands::environment::{Environment, bytes_of, to_map};
 use crate::report::say;
 use crate::spec::{Spec, argument, unknown_name};
 
@@ -285,7 +285,7 @@ impl StageArgs {
                 remarks.iter().for_each(|remark| say(quiet, remark));
                 let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
                 let to_map = to_map(up);
-                let hash = fingerprint(&read_whole(&file)?);
+                let hash = fingerprint(&bytes_of(&file)?);
                 let words = format!("irradiance {hash} {words} {albedo:e} {to_map:?}");
                 let environment = map;
                 Ok((RequestedIntegral::Irradiance { environment, to_map, albedo }, words))

@@ -14,8 +14,8 @@ use sphvar_samplers::{
     SquarePointFileParameters, Streams,
 };
 use sphvar_scene::{
-    CornellBox, CropWindow, Density, Estimator, Image, Integral, LightMap, Quad, View, WarpedPlan,
-    render,
+    CornellBox, CropWindow, Density, Estimator, Image, Integral, LightMap, Quad, RenderErrors,
+    View, WarpedPlan, render,
 };
 use sphvar_warps::{
     ConcentricDisk, DensityMap, Interpolation, OctahedralSphere, UniformCap, VonMisesFisherLobe,
@@ -237,6 +237,31 @@ fn invalid_densities_are_rejected() {
     assert!(error.contains("25.00 %") && error.contains("about the normal"), "{error}");
     assert!(of_light.clone().with_sets(0).is_err());
     assert!(of_light.prepare(1 << 24).is_err());
+}
+
+/// Where no render sees the lit part of a pixel, renders agree by chance, which is no bias.
+#[test]
+fn pixels_that_no_render_resolves_are_not_biased() {
+    // All but 1e-4 of the light is hidden, and all but 1e-4 of it is visible.
+    let mut corners = horizontal([-0.5, 0.5], [-0.5, 0.5], 0.9).corners();
+    corners.reverse();
+    let lamp = Quad::new(corners).unwrap();
+    let integral = Integral::Light { light: &lamp, albedo: 1.0 };
+    for screen in [[-9.0, 0.24995], [0.24995, 9.0]] {
+        let spot = Spot::with(vec![horizontal(screen, [-9.0, 9.0], 0.45)]);
+        let plan = one("jittered-square", light(lamp, LightMap::Automatic), 40_000);
+        let reference = plan.into_reference().prepare(0).unwrap();
+        let reference = spot.render(&integral, Estimator::Ratio, &reference, 4);
+        let mut errors = RenderErrors::new(&reference);
+        let plan = one("jittered-square", light(lamp, LightMap::Automatic), 16);
+        for number in 0..4 {
+            let sets = plan.prepare(number).unwrap();
+            errors.push(&spot.render(&integral, Estimator::Ratio, &sets, 4)).unwrap();
+        }
+        // The limit is exceeded by chance in 1 % of pictures; the seed is fixed.
+        let bias = errors.report().bias.unwrap();
+        assert!(!bias.is_biased(), "{screen:?}: {bias:?}");
+    }
 }
 
 /// The estimated variance of independent uniform directions, and that of the density, of an open
