@@ -35,8 +35,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
   sphvar sample file:points.csv -o points.ply       (your own points in another format)
   sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)
-  sphvar sample sobol:warp=cosine -n 256 --hemisphere -o cosine.npz       (points with weights 1/(N p) for a density p)
-  sphvar sample 'r2:warp=\"env:data/city.exr\"' -n 256 -o importance.csv   (by the luminance of an environment map)";
+  sphvar sample sobol:warp=cosine -n 256 --hemisphere -o cosine.npz     (points with weights 1/(N p) for a density p)
+  sphvar sample r2:warp=vmf:kappa=50 -n 256 -m 8 -o lobes.npz";
 
 #[derive(Debug, Args)]
 #[command(
