@@ -95,7 +95,13 @@ impl CircleTransform {
         Self::with_arch(kmax, epsilon, Arch::new())
     }
 
-    fn with_arch(kmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
+    /// Returns the plan with the arithmetic of another instruction set, for tests.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    #[doc(hidden)]
+    pub fn with_arch(kmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let design = Design::double_at_every_frequency(epsilon)?;
         if kmax > MAX_CIRCLE_KMAX {
             return Err(Error::FrequencyTooLarge { kmax, max: MAX_CIRCLE_KMAX });
@@ -238,26 +244,6 @@ impl<R: Real> ByWidth for Spread<'_, R> {
                     let place = first[i] as usize;
                     add_with_rests(&mut grid[place..][..P], &mut rests[place..][..P], &terms);
                 }
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use pulp::Arch;
-
-    use super::CircleTransform;
-    use crate::direct::direct_circle;
-
-    #[test]
-    fn the_portable_code_meets_the_requested_accuracy() {
-        let points: Vec<f64> = (0..40).map(|j| (0.754877 * f64::from(j)).fract()).collect();
-        for (kmax, epsilon) in [(9, 1e-1), (9, 1e-6), (4000, 1e-9), (4000, 1e-13)] {
-            let exact = direct_circle(kmax, &points, None).unwrap();
-            let plan = CircleTransform::with_arch(kmax, epsilon, Arch::Scalar).unwrap();
-            for (fast, exact) in plan.adjoint(&points, None).unwrap().iter().zip(&exact) {
-                assert!((fast - exact).norm() <= epsilon * 40.0, "{epsilon:e}: {fast}, {exact}");
             }
         }
     }

@@ -61,12 +61,13 @@ pub mod parts {
     pub use crate::cells::{Cells, LANES, Places, Turns};
     pub use crate::design::Design;
     pub use crate::long_sum::{SHORT, add_with_rests};
-    pub use crate::magnitude::magnitude;
+    pub use crate::magnitude::{magnitude, magnitude_of, magnitude_of_complex, sum_of_sizes};
+    pub use crate::memory::resize;
     pub use crate::polynomial::interpolate;
     pub use crate::real::Real;
     pub use crate::sizes::good_size;
     pub use crate::spreading::Spreading;
-    pub use crate::window::Window;
+    pub use crate::window::{Window, WindowTable};
     pub use rustfft::{Fft, FftDirection};
 }
 

@@ -25,27 +25,3 @@ fn transform_cost(n: usize) -> Option<f64> {
     }
     (rest == 1).then_some(n as f64 * per_number)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::good_size;
-
-    #[test]
-    fn sizes_are_smooth_and_near() {
-        for min in 4..3000_u32 {
-            for slack in [1.0, 1.04, 1.15] {
-                let n = good_size(f64::from(min), slack);
-                assert!(n >= min as usize && n.is_multiple_of(4), "{min}: {n}");
-                let smooth = [2, 3, 5, 7].into_iter().fold(n, |mut rest, p| {
-                    while rest.is_multiple_of(p) {
-                        rest /= p;
-                    }
-                    rest
-                });
-                assert_eq!(smooth, 1, "{min}: {n}");
-                // From 16 on, smooth multiples of 4 differ by less than a fifth.
-                assert!(n as f64 <= 1.2 * f64::from(min) + 12.0, "{min}: {n}");
-            }
-        }
-    }
-}

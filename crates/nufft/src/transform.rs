@@ -129,7 +129,13 @@ impl TorusTransform {
         Self::with_arch(kmax, epsilon, Arch::new())
     }
 
-    fn with_arch(kmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
+    /// Returns the plan with the arithmetic of another instruction set, for tests.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    #[doc(hidden)]
+    pub fn with_arch(kmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let design = Design::at_every_frequency(epsilon)?;
         if kmax > MAX_KMAX {
             return Err(Error::FrequencyTooLarge { kmax, max: MAX_KMAX });
@@ -480,6 +486,3 @@ impl TorusWorkspace {
         Ok(std::mem::take(&mut self.parts))
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -47,7 +47,9 @@ impl Window {
         self.width
     }
 
-    fn value(self, x: f64) -> f64 {
+    /// Returns psi(x), for x in grid cells.
+    #[must_use]
+    pub fn value(self, x: f64) -> f64 {
         let s = 2.0 * x / self.width as f64;
         let root = 1.0 - s * s;
         if root < 0.0 { 0.0 } else { (self.beta * (root.sqrt() - 1.0)).exp() }
@@ -80,7 +82,7 @@ impl Window {
     }
 
     /// Returns the window as piecewise polynomials.
-    pub(crate) fn table<T: Real>(self) -> WindowTable<T> {
+    pub fn table<T: Real>(self) -> WindowTable<T> {
         // Grid point i is at distance x - first - i, which covers cell i as t goes from -1 to 1.
         let piece =
             |cell: usize, t: f64| self.value(0.5 * (self.width as f64 - 1.0 + t) - cell as f64);
@@ -115,7 +117,7 @@ impl Window {
 
 /// The window as one polynomial for each of its w grid cells, evaluated together.
 #[derive(Clone, Debug)]
-pub(crate) struct WindowTable<T> {
+pub struct WindowTable<T> {
     width: usize,
     /// The width padded to a multiple of 4, for whole vectors.
     padded: usize,
@@ -124,18 +126,22 @@ pub(crate) struct WindowTable<T> {
 }
 
 impl<T: Real> WindowTable<T> {
-    pub(crate) fn width(&self) -> usize {
+    /// Returns the number w of cells.
+    #[must_use]
+    pub fn width(&self) -> usize {
         self.width
     }
 
-    pub(crate) fn padded(&self) -> usize {
+    /// Returns the number of values, w padded to a multiple of 4.
+    #[must_use]
+    pub fn padded(&self) -> usize {
         self.padded
     }
 
     /// Returns the window at the w grid points nearest to two places, each given by `t` in [-1, 1],
     /// `t = 2 (x - first - w/2) + 1` for the first of the points. `P` is [`Self::padded`].
     #[inline(always)]
-    pub(crate) fn evaluate<const P: usize, const FUSED: bool>(&self, t: [T; 2]) -> [[T; P]; 2] {
+    pub fn evaluate<const P: usize, const FUSED: bool>(&self, t: [T; 2]) -> [[T; P]; 2] {
         let mut values = [[T::default(); P]; 2];
         for row in self.coefficients.as_chunks::<P>().0 {
             for (values, t) in values.iter_mut().zip(t) {
@@ -164,38 +170,5 @@ impl<T: Real> WindowTable<T> {
             }
         }
         pairs
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Window;
-
-    #[test]
-    fn polynomials_approximate_the_window() {
-        for (epsilon, oversampling) in [(1e-3, 1.25), (1e-5, 1.5), (1e-9, 2.0), (1e-13, 2.0)] {
-            let window = Window::new(epsilon, oversampling);
-            let table = window.table::<f64>();
-            for k in 0..1000 {
-                let t = f64::from(k) / 499.5 - 1.0;
-                let pair = [t, -t];
-                let [values, mirrored]: [Vec<f64>; 2] = match table.padded() {
-                    8 => table.evaluate::<8, true>(pair).map(Vec::from),
-                    12 => table.evaluate::<12, true>(pair).map(Vec::from),
-                    16 => table.evaluate::<16, true>(pair).map(Vec::from),
-                    other => panic!("width {other}"),
-                };
-                let width = window.width();
-                for (i, v) in values.iter().enumerate() {
-                    let x = 0.5 * (width as f64 - 1.0 + t) - i as f64;
-                    let expected = if i < width { window.value(x) } else { 0.0 };
-                    let off = (v - expected).abs();
-                    assert!(off < 0.1 * epsilon + 1e-14, "t = {t}, cell {i}: {v} and {expected}");
-                }
-                for (v, m) in values[..width].iter().zip(mirrored[..width].iter().rev()) {
-                    assert!((v - m).abs() < 0.2 * epsilon + 1e-14, "the window is even");
-                }
-            }
-        }
     }
 }

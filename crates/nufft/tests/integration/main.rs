@@ -3,10 +3,13 @@
 
 mod adjointness;
 mod circle;
+mod coefficients;
 mod complex;
 mod definition;
 mod errors;
 mod evaluation;
 mod hostile;
 mod input;
+mod parts;
+mod portable;
 mod single;
