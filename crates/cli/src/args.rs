@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, list,
-    merge, quality, render, reproduce, sample, spectrum, variance, weights,
+    accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, lights,
+    list, merge, quality, render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
 
@@ -73,6 +73,9 @@ pub(crate) enum Command {
     /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
     #[command(after_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),
+    /// Convert an environment map to N directional lights, with the error of the irradiance
+    #[command(after_help = lights::EXAMPLES)]
+    Lights(lights::LightsArgs),
     /// Recompute the figures of Singh's thesis and check its numbers
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(reproduce::ReproduceArgs),

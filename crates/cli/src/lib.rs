@@ -114,6 +114,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Audit(args) => commands::audit::run(&args, &cli.global),
         Command::Quality(args) => commands::quality::run(&args, &cli.global),
         Command::Render(args) => commands::render::run(&args, &cli.global),
+        Command::Lights(args) => commands::lights::run(&args, &cli.global),
         Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Accuracy(args) => commands::accuracy::run(&args, &cli.global),

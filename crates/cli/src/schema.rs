@@ -17,6 +17,7 @@ use crate::commands::fit::FitBody;
 use crate::commands::fixed_orientation::FixedOrientationBody;
 use crate::commands::healpix::HealpixBody;
 use crate::commands::integrate::IntegrateBody;
+use crate::commands::lights::LightsBody;
 use crate::commands::list::ListBody;
 use crate::commands::quality::QualityBody;
 use crate::commands::quality::square_record::SquareQualityBody;
@@ -58,6 +59,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("fit", document::<FitBody>(generator)),
         ("healpix", document::<HealpixBody<'static, f64, 1>>(generator)),
         ("integrate", document::<IntegrateBody>(generator)),
+        ("lights", document::<LightsBody>(generator)),
         ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
         ("quality", document::<QualityBody>(generator)),

@@ -65,10 +65,10 @@ pub(crate) struct LightsArgs {
     pub(crate) samplers: String,
     #[command(flatten)]
     pub(crate) nearest: NearestArgs,
-    /// Number of realizations from which errors are estimated; the lights are those of the first
+    /// Number of realizations; errors are means over them, and the lights are those of the first
     #[arg(short = 'm', long, value_name = "M", default_value = "8", value_parser = parse_realizations)]
     pub(crate) realizations: u64,
-    /// Write the lights to a file: .csv, .json, or .glsl, arrays for a shader; - is CSV on standard output
+    /// Write the results to a file: lights as .csv or .glsl, arrays for a shader, or all as .json; - is CSV on standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Write a picture of a white sphere in the map and under the lights of each sampler, with the differences, as .png

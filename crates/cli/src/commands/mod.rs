@@ -10,6 +10,7 @@ pub(crate) mod eval;
 pub(crate) mod fit;
 pub(crate) mod healpix;
 pub(crate) mod integrate;
+pub(crate) mod lights;
 pub(crate) mod list;
 pub(crate) mod merge;
 pub(crate) mod quality;

@@ -30,7 +30,7 @@ impl Environment {
     }
 
     /// Returns the map of a file with the given content.
-    pub(super) fn decode(
+    pub(crate) fn decode(
         file: &Path,
         bytes: &[u8],
         picture: &PictureParameters,

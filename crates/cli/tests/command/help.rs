@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 19] = [
+const SUBCOMMANDS: [&str; 20] = [
     "compare",
     "choose",
     "sample",
@@ -18,6 +18,7 @@ const SUBCOMMANDS: [&str; 19] = [
     "audit",
     "quality",
     "render",
+    "lights",
     "reproduce",
     "healpix",
     "eval",

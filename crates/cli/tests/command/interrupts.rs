@@ -17,7 +17,7 @@ const COUNT: &str = "SPHVAR_INTERRUPTS";
 const DEFAULT_COUNT: usize = 4;
 
 /// Commands that write files, most of them long enough to be interrupted.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "sample white-noise -n 300000 -m 2 -o points.csv",
     "sample white-noise -n 300000 -m 3 -o points-{i}.ply",
     "sample white-noise -n 1000000 -m 2 -o points.npy",
@@ -27,6 +27,7 @@ const COMMANDS: [&str; 13] = [
     "variance jittered,healpix -n 48,192 --integrand cap:degrees=60 -m 2000 -o v.csv",
     "compare jittered,healpix -n 48,192 --integrand cap:degrees=60 -m 2000 -o out",
     "render cornell --sampler jittered -n 12 --size 48 --cache cache -o picture.exr --error error.png",
+    "lights data/city.exr -n 2000 -o lights.csv --picture lights.png",
     "healpix pix2vec --nside 256 pixels.npy -o vectors.csv",
     "bounds white-noise -n 192 -m 4000 -o bounds.csv",
     "reproduce C.1 --quick -o figures",

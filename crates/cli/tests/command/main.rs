@@ -21,6 +21,7 @@ mod help;
 mod inputs_and_outputs;
 mod integrals;
 mod interrupts;
+mod lights;
 mod lists;
 mod messages;
 mod numbers;

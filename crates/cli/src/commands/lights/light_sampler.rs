@@ -1,17 +1,17 @@
 use std::fmt;
 
-use sphvar_integrands::Strategy;
+use sphvar_integrands::{Heuristic, Strategy};
 use sphvar_samplers::{
-    AdaptedCcvt, Domain, Pattern, PointSet, Progress, Purpose, Realizations, Sampler, Square,
-    SquarePattern, SquareRealizations, SquareSampler, Streams,
+    AdaptedCcvt, Domain, Ensemble, Pattern, PointSet, Progress, Purpose, Realizations, Sampler,
+    Square, SquarePattern, SquareSampler, Streams,
 };
 use sphvar_scene::{DirectionalLight, RgbEnvironment};
-use sphvar_variance::WarpedText;
+use sphvar_variance::{WarpedPattern, WarpedRealizations, WarpedText};
 
 use crate::error::CliError;
-use crate::integrands::parse_warp;
+use crate::integrands::strategies_of;
 use crate::memory::check_points;
-use crate::patterns::{PatternKind, build, parse_pattern};
+use crate::patterns::{DirectionSampler, PatternKind, build, parse_pattern, parse_sampler};
 use crate::spec::{Spec, unknown_name};
 
 /// The name of the density of the map in specifications.
@@ -30,12 +30,16 @@ pub(super) enum LightSampler {
     Cells {
         capacity: usize,
     },
-    Directions(Pattern),
-    Warped {
+    Uniform(Pattern),
+    /// A pattern mapped to the luminance of the map.
+    Luminance {
         text: WarpedText,
         pattern: SquarePattern,
-        /// The density, if it is not the luminance of the map.
-        density: Option<Strategy>,
+    },
+    /// A pattern mapped to other densities.
+    Warped {
+        pattern: WarpedPattern,
+        strategies: Vec<Strategy>,
     },
 }
 
@@ -60,18 +64,12 @@ impl LightSampler {
             return Ok(Self::MedianCut);
         }
         if WarpedText::is_warped(&spec.text) {
-            let text: WarpedText = spec.text.parse().map_err(CliError::usage)?;
-            let pattern = parse_pattern(&text.pattern, quiet)?;
-            let density = match &*text.warp {
-                LUMINANCE => None,
-                warp => Some(parse_warp(warp, Domain::Sphere, quiet)?),
-            };
-            return Ok(Self::Warped { text, pattern, density });
+            return Self::parse_warped(&spec.text, quiet);
         }
         let density = if spec.name == CCVT { spec.take("density") } else { None };
         let Some(density) = density else {
             check_name(&spec.name)?;
-            return Ok(Self::Directions(parse_pattern(&spec.text, quiet)?));
+            return Ok(Self::Uniform(parse_pattern(&spec.text, quiet)?));
         };
         if density != LUMINANCE {
             return Err(unknown_name("density", &density, &[LUMINANCE]));
@@ -82,9 +80,24 @@ impl LightSampler {
         Ok(Self::Cells { capacity })
     }
 
+    fn parse_warped(text: &str, quiet: bool) -> Result<Self, CliError> {
+        let parts: WarpedText = text.parse().map_err(CliError::usage)?;
+        if parts.warp == LUMINANCE && parts.heuristic.is_none() {
+            let pattern = parse_pattern(&parts.pattern, quiet)?;
+            return Ok(Self::Luminance { text: parts, pattern });
+        }
+        Ok(match parse_sampler(text, quiet)? {
+            DirectionSampler::Uniform(pattern) => Self::Uniform(pattern),
+            DirectionSampler::Warped(pattern) => {
+                let strategies = strategies_of(&[&pattern.warp], Domain::Sphere, quiet)?;
+                Self::Warped { pattern, strategies: strategies.concat() }
+            }
+        })
+    }
+
     /// Returns the source of `n` lights.
     pub(super) fn source<'a>(
-        &'a self,
+        &self,
         n: usize,
         setting: Setting<'a>,
     ) -> Result<LightSource<'a>, CliError> {
@@ -96,11 +109,24 @@ impl LightSampler {
                 let ccvt = AdaptedCcvt::new(n, capacity, environment.luminance_warp());
                 Method::Cells(ccvt.map_err(CliError::usage)?)
             }
-            Self::Directions(pattern) => {
-                Method::Directions(build(pattern, n, Domain::Sphere, nearest)?)
-            }
-            Self::Warped { pattern, density, .. } => {
-                Method::Warped(build(pattern, n, Square, nearest)?, density.as_ref())
+            Self::Uniform(pattern) => Method::Uniform(build(pattern, n, Domain::Sphere, nearest)?),
+            Self::Luminance { pattern, .. } => Method::Warped {
+                samplers: vec![build(pattern, n, Square, nearest)?],
+                strategies: vec![Strategy { warp: environment.luminance_warp(), share: 1.0 }],
+                heuristic: Heuristic::default(),
+            },
+            Self::Warped { pattern, strategies } => {
+                let valid = pattern.nearest_count(n);
+                if valid != n && !nearest {
+                    return Err(CliError::Usage(format!(
+                        "{pattern}: {n} points are not valid; the nearest valid count is {valid} (use --nearest)"
+                    )));
+                }
+                Method::Warped {
+                    samplers: pattern.samplers(valid).map_err(CliError::usage)?,
+                    strategies: strategies.clone(),
+                    heuristic: pattern.heuristic,
+                }
             }
         };
         Ok(LightSource { method, setting })
@@ -131,23 +157,28 @@ impl fmt::Display for LightSampler {
             Self::Cells { capacity } => {
                 write!(f, "{CCVT}:density={LUMINANCE},capacity={capacity}")
             }
-            Self::Directions(pattern) => pattern.fmt(f),
-            Self::Warped { text, .. } => text.fmt(f),
+            Self::Uniform(pattern) => pattern.fmt(f),
+            Self::Luminance { text, .. } => text.fmt(f),
+            Self::Warped { pattern, .. } => pattern.fmt(f),
         }
     }
 }
 
 /// The realizations of the lights of a sampler.
 pub(super) struct LightSource<'a> {
-    method: Method<'a>,
+    method: Method,
     setting: Setting<'a>,
 }
 
-enum Method<'a> {
+enum Method {
     MedianCut(usize),
     Cells(AdaptedCcvt),
-    Directions(Box<dyn Sampler>),
-    Warped(Box<dyn SquareSampler>, Option<&'a Strategy>),
+    Uniform(Box<dyn Sampler>),
+    Warped {
+        samplers: Vec<Box<dyn SquareSampler>>,
+        strategies: Vec<Strategy>,
+        heuristic: Heuristic,
+    },
 }
 
 impl LightSource<'_> {
@@ -161,8 +192,8 @@ impl LightSource<'_> {
         match &self.method {
             Method::MedianCut(n) => *n as f64,
             Method::Cells(ccvt) => ccvt.nominal_work(),
-            Method::Directions(sampler) => sampler.nominal_work(),
-            Method::Warped(sampler, _) => sampler.nominal_work(),
+            Method::Uniform(sampler) => sampler.nominal_work(),
+            Method::Warped { samplers, .. } => samplers.iter().map(|s| s.nominal_work()).sum(),
         }
     }
 
@@ -174,6 +205,11 @@ impl LightSource<'_> {
     ) -> Result<Vec<DirectionalLight>, CliError> {
         let Setting { environment, seed, .. } = self.setting;
         let streams = |group| Streams::new(seed, Purpose::Pattern, group);
+        let realized = |sets: &dyn Ensemble| -> Result<PointSet, CliError> {
+            let mut set = PointSet::default();
+            sets.realize_into(index, &mut set, progress).map_err(CliError::failed)?;
+            Ok(set)
+        };
         match &self.method {
             Method::MedianCut(n) => environment.median_cut(*n).map_err(CliError::failed),
             Method::Cells(ccvt) => {
@@ -181,19 +217,15 @@ impl LightSource<'_> {
                 let cells = ccvt.tessellate(&mut rng, progress).map_err(CliError::failed)?;
                 Ok(environment.cell_lights(&cells))
             }
-            Method::Directions(sampler) => {
+            Method::Uniform(sampler) => {
                 let sets = Realizations::rotated(&**sampler, streams(sampler.stream_group()));
-                let mut set = PointSet::default();
-                sets.realize_into(index, &mut set, progress).map_err(CliError::failed)?;
-                Ok(environment.uniform_lights(&set))
+                Ok(environment.uniform_lights(&realized(&sets)?))
             }
-            Method::Warped(sampler, density) => {
-                let sets = SquareRealizations::shifted(&**sampler, streams(sampler.stream_group()));
-                let mut set = PointSet::default();
-                sets.realize_into(index, &mut set, progress).map_err(CliError::failed)?;
-                let warp = density
-                    .map_or_else(|| environment.luminance_warp(), |density| density.warp.clone());
-                Ok(environment.warped_lights(&set, &*warp))
+            Method::Warped { samplers, strategies, heuristic } => {
+                let purpose = Purpose::Pattern;
+                let sets = WarpedRealizations::new(strategies, *heuristic, samplers, seed, purpose);
+                let set = realized(&sets)?;
+                Ok(environment.lights(&set.points, &set.weights))
             }
         }
     }
