@@ -21,8 +21,8 @@
 //! a cosine, an environment map or a light; [`RenderErrors`] reports the errors of repeated renders
 //! relative to a reference image and their structure.
 //!
-//! [`RgbEnvironment`] is converted to directional lights, and [`IrradianceReference`] has the error of
-//! the irradiance that these cast.
+//! [`RgbEnvironment`] is converted to directional lights, and [`IrradianceReference`] has the error
+//! of the irradiance that these cast.
 //!
 //! # Features
 //!

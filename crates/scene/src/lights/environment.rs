@@ -20,12 +20,11 @@ use crate::Error;
 /// use sphvar_samplers::{Domain, Fibonacci, Purpose, Sampler, Streams};
 /// use sphvar_scene::{IrradianceReference, RgbEnvironment};
 ///
-/// let sky = |zenith| {
-///     EnvironmentMap::new(4, 2, [[zenith; 4], [0.1; 4]].concat())
-/// };
+/// let sky = |zenith| EnvironmentMap::new(4, 2, [[zenith; 4], [0.1; 4]].concat());
 /// let environment = RgbEnvironment::new([sky(0.3)?, sky(0.5)?, sky(1.0)?], DQuat::IDENTITY)?;
 /// let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(0);
-/// let lights = environment.uniform_lights(&Fibonacci::new(256, Domain::Sphere)?.sample(&mut rng)?);
+/// let set = Fibonacci::new(256, Domain::Sphere)?.sample(&mut rng)?;
+/// let lights = environment.uniform_lights(&set);
 /// let error = IrradianceReference::new(&environment)?.relative_error(&lights)?;
 /// assert!(error.luminance.unwrap() < 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

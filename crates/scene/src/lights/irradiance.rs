@@ -20,21 +20,24 @@ use crate::Error;
 /// (Ramamoorthi and Hanrahan 2001, equation 7)
 ///
 /// ```text
-/// E(n) = int L(d) max(0, n . d) dd = sum_lm A_l L_lm Y_lm(n),   A_0 = pi, A_1 = 2 pi/3, A_2 = pi/4, A_3 = 0, ...
+/// E(n) = int L(d) max(0, n . d) dd = sum_lm A_l L_lm Y_lm(n),
+/// A_0 = pi, A_1 = 2 pi/3, A_2 = pi/4, A_3 = 0, A_4 = -pi/24, ...
 /// ```
 ///
-/// and lights of irradiance `c_i` in directions `d_i` have the coefficients `sum_i c_i conj Y_lm(d_i)`.
-/// The mean squared error over all normals is the sum over degrees of A_l^2 times the energy of the
-/// difference. Degrees up to a largest one are summed. Beyond, the energy of the lights is the rest
-/// of their sum over pairs, which is known in closed form for the angle gamma between two lights,
+/// and lights of irradiance `c_i` in directions `d_i` have the coefficients
+/// `sum_i c_i conj Y_lm(d_i)`. The mean squared error over all normals is the sum over degrees of
+/// `A_l^2` times the energy of the difference. Degrees up to a largest one are summed. Beyond, the
+/// energy of the lights is the rest of their sum over pairs, which is known in closed form for the
+/// angle gamma between two lights,
 ///
 /// ```text
 /// int max(0, n . d_i) max(0, n . d_j) dn = 2/3 (sin gamma + (pi - gamma) cos gamma),
 /// ```
 ///
-/// and that of the map is left out. Relative to the squared norm it is below `1/(pi lmax^3)`; the
-/// largest degree is twice the width of the map, from 128 to 512, so it is below 1e-10 for widths to
-/// 256 texels, where the Fourier transform of a texel is small beyond, and below 3e-9 for others.
+/// and that of the map is left out. Relative to the squared norm it is below `1/(pi lmax^3)`. The
+/// largest degree is twice the width of the map, from 128 to 512, so it is below 1e-10 for widths
+/// to 256 texels, where the Fourier transform of a texel is small beyond, and below 3e-9 for
+/// others.
 ///
 /// # References
 ///

@@ -8,14 +8,15 @@ use super::{DirectionalLight, luminance};
 use crate::Error;
 
 impl RgbEnvironment {
-    /// Returns `n` lights by the median cut algorithm (Debevec 2005): the map is divided recursively
-    /// along the longer side of each region, between rows or columns, into regions of equal
-    /// luminance, and each region becomes a light at the centroid of its luminance.
+    /// Returns `n` lights by the median cut algorithm (Debevec 2005): the map is divided
+    /// recursively along the longer side of each region, between rows or columns, into regions of
+    /// equal luminance, and each region becomes a light at the centroid of its luminance.
     ///
-    /// The longer side is measured with widths times the sine of the colatitude at the middle of the region.
-    /// Numbers that are no powers of two divide the luminance in proportion to the numbers
-    /// of lights. Texels of negative luminance count by its magnitude. Parts without luminance get no lights, and a single texel that is to be divided
-    /// becomes several lights at its centre.
+    /// The longer side is measured with widths times the sine of the colatitude at the middle of
+    /// the region. Numbers that are no powers of two divide the luminance in proportion to the
+    /// numbers of lights. Texels of negative luminance count by its magnitude. Parts without
+    /// luminance get no lights, and a single texel that is to be divided becomes several lights at
+    /// its centre.
     ///
     /// # Errors
     ///
