@@ -71,7 +71,7 @@ pub use integration::{
 };
 pub use joint_trials::JointTrials;
 pub use measurement::{BiasTest, Measurement};
-pub use predicted_curve::PredictedCurve;
+pub use predicted_curve::{PredictedCurve, interpolate_variance};
 pub use predicted_point::{PredictedPoint, PredictedVariance};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use prediction_budget::{PredictionBudget, SpectrumOptions};

@@ -97,18 +97,25 @@ impl<F, P: PredictedVariance> PredictedCurve<F, P> {
         fit_exact_rate(&points.collect::<Vec<_>>())
     }
 
-    /// Returns the variance at a number of points within the curve, by linear interpolation in log
-    /// N and log Var.
+    /// Returns the variance at a number of points within the curve, by
+    /// [`interpolate_variance`].
     #[must_use]
     pub fn interpolate(&self, n_points: f64) -> Option<f64> {
-        let points = self.variance_points();
-        let at = points.partition_point(|p| p.n_points < n_points);
-        let above = points.get(at)?;
-        if above.n_points <= n_points {
-            return Some(above.variance);
-        }
-        let below = points.get(at.checked_sub(1)?)?;
-        let share = (n_points / below.n_points).ln() / (above.n_points / below.n_points).ln();
-        Some(below.variance * (above.variance / below.variance).powf(share))
+        interpolate_variance(&self.variance_points(), n_points)
     }
+}
+
+/// Returns the variance at a number of points between the first and the last of `points`, by linear
+/// interpolation in log N and log Var. The points have variances above 0 and increasing numbers of
+/// points.
+#[must_use]
+pub fn interpolate_variance(points: &[VariancePoint], n_points: f64) -> Option<f64> {
+    let at = points.partition_point(|p| p.n_points < n_points);
+    let above = points.get(at)?;
+    if above.n_points <= n_points {
+        return Some(above.variance);
+    }
+    let below = points.get(at.checked_sub(1)?)?;
+    let share = (n_points / below.n_points).ln() / (above.n_points / below.n_points).ln();
+    Some(below.variance * (above.variance / below.variance).powf(share))
 }

@@ -5,6 +5,7 @@ mod args;
 mod candidate;
 mod chart;
 mod choosable;
+mod contest;
 mod crossings;
 mod presentation;
 mod question;
@@ -12,12 +13,13 @@ mod ranking;
 mod reason;
 mod recommendation;
 pub(crate) mod record;
+mod row;
+mod set_time;
 
 use sphvar_samplers::Pattern;
 use sphvar_variance::PredictionBudget;
 
 pub(crate) use self::args::ChooseArgs;
-use self::choosable::Choosable;
 use self::presentation::Answer;
 use self::ranking::Ranking;
 use crate::error::CliError;
@@ -78,7 +80,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
             .ranked()
             .zip(&announce)
             .map(|((integral, coefficients), announce)| {
-                Ranking::new(args, global, integral, coefficients, announce)
+                Ranking::on_sphere(args, global, integral, coefficients, announce)
             })
             .collect::<Result<Vec<_>, _>>()?;
         Answer::new(rankings, global.seed)?.emit(args, global)
@@ -96,14 +98,14 @@ fn run_square(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     Answer::new(vec![ranking], global.seed)?.emit(args, global)
 }
 
-/// Returns the work of the minimum number of realizations of a prediction, in budgets.
-fn budgets<P: Choosable>(pattern: &P, n_points: usize) -> f64 {
-    let min_work = PredictionBudget::MIN_REALIZATIONS as f64 * P::nominal_work(pattern, n_points);
-    min_work / PredictionBudget::DEFAULT.work
+/// Returns the work of the minimum number of realizations of a prediction, in budgets, for sets of a
+/// nominal work.
+fn budgets(work: f64) -> f64 {
+    PredictionBudget::MIN_REALIZATIONS as f64 * work / PredictionBudget::DEFAULT.work
 }
 
 /// Returns whether a single prediction for a pattern takes more than 10 budgets, so that it is
 /// considered only if it is named.
 pub(crate) fn is_expensive(pattern: &Pattern, n_points: usize) -> bool {
-    budgets(pattern, n_points) > MAX_BUDGETS
+    budgets(pattern.nominal_work(n_points)) > MAX_BUDGETS
 }

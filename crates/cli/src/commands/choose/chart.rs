@@ -1,33 +1,27 @@
 //! The chart of standard errors against N, compared with white noise.
 
-use super::candidate::TimedCandidate;
-use super::choosable::Choosable;
 use super::question::{Question, Requested};
+use super::row::Row;
 use crate::plots::{
     Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
 
-/// Returns the chart of the candidates, best first; `white_variance` is the variance of white noise
+/// Returns the chart of the rows, best first; `white_variance` is the variance of white noise
 /// with one point.
-pub(super) fn chart<P: Choosable>(
-    question: &Question,
-    candidates: &[TimedCandidate<P>],
-    white_variance: f64,
-) -> Chart {
+pub(super) fn chart(question: &Question, rows: &[Row], white_variance: f64) -> Chart {
     let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
-    let is_own = |c: &TimedCandidate<P>| c.answer.curve.pattern().is_file();
-    let are_own: Vec<bool> = candidates.iter().map(is_own).collect();
+    let are_own: Vec<bool> = rows.iter().map(|row| row.is_file).collect();
     let n_own = are_own.iter().filter(|is_own| **is_own).count();
-    // Candidates are sorted, so that the position is the rank.
-    let ranks: Vec<f64> = (0..candidates.len()).map(|rank| rank as f64).collect();
-    for (ink, candidate) in inks(&ranks, &are_own).into_iter().zip(candidates) {
-        let points = candidate.answer.curve.variance_points();
+    // Rows are sorted, so that the position is the rank.
+    let ranks: Vec<f64> = (0..rows.len()).map(|rank| rank as f64).collect();
+    for (ink, row) in inks(&ranks, &are_own).into_iter().zip(rows) {
+        let points = &row.points;
         let errors = points.iter().map(|p| (p.n_points, scale * p.variance.sqrt()));
         // The relative error of a square root is half that of its argument.
         let unknown = points.iter().map(|p| 0.5 * scale * p.stderr / p.variance.sqrt());
         series.push(Series {
-            label: candidate.answer.curve.pattern().label(),
+            label: row.record.label.clone(),
             points: errors.collect(),
             spread: Spread::Errors(unknown.collect()),
             style: Style::Joined,
@@ -74,7 +68,7 @@ pub(super) fn chart<P: Choosable>(
         panels: vec![Panel::log(format!("standard error{unit}"), series), relative],
         notes: vec!["Bars: one standard error of the prediction.".to_owned()],
     };
-    let has_grey = candidates.len() - n_own > MAX_COLOURS;
+    let has_grey = rows.len() - n_own > MAX_COLOURS;
     let colours = has_grey.then(|| format!("In colour: the {MAX_COLOURS} best."));
     let own = (n_own > 0).then(|| NOTE_OF_OWN.to_owned());
     colours.into_iter().chain(own).fold(chart, Chart::with_note)

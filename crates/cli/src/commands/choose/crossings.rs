@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::candidate::TimedCandidate;
-use super::choosable::Choosable;
+use super::row::Row;
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::patterns::SamplerName;
 
@@ -31,26 +30,24 @@ impl CrossingRecord {
     }
 }
 
-/// Returns the significant crossings of the best candidates' curves in the range that both cover.
-pub(super) fn between<P: Choosable>(
-    ranked: &[TimedCandidate<P>],
-    seed: u64,
-) -> Vec<CrossingRecord> {
+/// Returns the significant crossings of the best rows' curves in the range that both cover.
+pub(super) fn between(ranked: &[Row], seed: u64) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
-    let name = |c: &TimedCandidate<P>| c.answer.curve.pattern().to_string();
-    let curve = |c: &TimedCandidate<P>| {
-        (SamplerName::of(c.answer.curve.pattern()), c.answer.curve.variance_points())
+    let named = |row: &Row| SamplerName {
+        text: row.record.sampler.clone(),
+        label: row.record.label.clone(),
+        is_file: row.is_file,
     };
-    let curves: Vec<_> = best.iter().map(curve).collect();
+    let curves: Vec<_> = best.iter().map(|row| (named(row), row.points.clone())).collect();
     let judged = |crossover: CrossoverRecord| {
-        let of = |wanted: &str| best.iter().find(|c| name(c) == wanted);
+        let of = |wanted: &str| best.iter().find(|row| row.record.sampler == wanted);
         let (above, below) = of(&crossover.better_above).zip(of(&crossover.better_below))?;
-        let is_near = [above, below].into_iter().filter_map(|c| c.answer.n_points).any(|n| {
+        let is_near = [above, below].into_iter().filter_map(|row| row.record.n).any(|n| {
             let ratio = n as f64 / crossover.n;
             (1.0 / NEAR..=NEAR).contains(&ratio)
         });
         let gap = |n: f64| {
-            let ratio = above.answer.curve.interpolate(n).zip(below.answer.curve.interpolate(n));
+            let ratio = above.interpolate(n).zip(below.interpolate(n));
             ratio.map_or(0.0, |(above, below)| below / above)
         };
         let (before, after) = (gap(0.5 * crossover.n), gap(2.0 * crossover.n));

@@ -1,9 +1,8 @@
 //! The answer as table, JSON, CSV and plot.
 
 use super::args::ChooseArgs;
-use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
+use super::candidate::MAX_FACTOR;
 use super::chart::chart;
-use super::choosable::{Choosable, PredictorOf};
 use super::crossings;
 use super::question::{Question, Requested};
 use super::ranking::Ranking;
@@ -14,29 +13,20 @@ use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
 
 /// The complete answer.
-pub(super) struct Answer<'a, P: Choosable> {
+pub(super) struct Answer<'a> {
     /// The main ranking first.
-    rankings: Vec<Ranking<'a, P>>,
+    rankings: Vec<Ranking<'a>>,
     body: ChoiceBody,
-    /// The variance of white noise with one point.
-    white_variance: f64,
 }
 
-impl<'a, P: Choosable> Answer<'a, P> {
+impl<'a> Answer<'a> {
     /// Returns the answer from rankings, of which the first decides.
-    pub(super) fn new(mut rankings: Vec<Ranking<'a, P>>, seed: u64) -> Result<Self, CliError> {
-        let mut rows = Vec::new();
-        for ranking in &mut rankings {
-            for i in 0..ranking.candidates.len() {
-                let coefficients = ranking.coefficients[i].take();
-                let Ranking { question, predictor, candidates, .. } = ranking;
-                let record = CandidateRecord::new(i + 1, &candidates[i], question, predictor);
-                rows.push(CandidateRecord { coefficients, ..record });
-            }
-        }
-        let Ranking { question, predictor, candidates, left_out, .. } = &mut rankings[0];
-        let best = recommended(candidates, question);
-        let (reason, recommendation) = recommendation(best, question, predictor)?;
+    pub(super) fn new(mut rankings: Vec<Ranking<'a>>, seed: u64) -> Result<Self, CliError> {
+        let rows = rankings.iter().flat_map(|ranking| &ranking.rows);
+        let rows = rows.map(|row| row.record.clone()).collect();
+        let ranking = &mut rankings[0];
+        let (reason, recommendation) = recommendation(ranking)?;
+        let question = &ranking.question;
         let (error_requested, points_requested, max_points) = match question.requested {
             Requested::Error { standard_error, max_points, .. } => {
                 (Some(standard_error), None, Some(max_points))
@@ -45,21 +35,20 @@ impl<'a, P: Choosable> Answer<'a, P> {
         };
         let body = ChoiceBody {
             integrand: question.integrand.clone(),
-            domain: predictor.space().to_string(),
+            domain: ranking.domain.clone(),
             integral: question.integral,
             error_requested,
             points_requested,
             max_points,
             cost_per_sample: question.cost_per_sample,
-            white_noise_points: question.white_noise_points(predictor),
+            white_noise_points: ranking.white_noise_points,
             rows,
-            left_out: std::mem::take(left_out),
-            crossovers: crossings::between(candidates, seed),
+            left_out: std::mem::take(&mut ranking.left_out),
+            crossovers: crossings::between(&ranking.rows, seed),
             reason,
             recommendation,
         };
-        let white_variance = predictor.white_variance(1);
-        Ok(Self { rankings, body, white_variance })
+        Ok(Self { rankings, body })
     }
 
     /// Writes and prints the answer in the requested form.
@@ -68,8 +57,8 @@ impl<'a, P: Choosable> Answer<'a, P> {
         let forms = Forms {
             csv: &|| csv_of(&provenance, &self.body.rows),
             chart: Some(&|| {
-                let Ranking { question, candidates, .. } = &self.rankings[0];
-                Ok(chart(question, candidates, self.white_variance))
+                let Ranking { question, rows, white_variance, .. } = &self.rankings[0];
+                Ok(chart(question, rows, *white_variance))
             }),
             text: &|| self.text(),
         };
@@ -82,14 +71,14 @@ impl<'a, P: Choosable> Answer<'a, P> {
         // The table of the first ranking comes last, above what is said about it.
         let mut tables = Vec::new();
         for ranking in &self.rankings {
-            let (own, others) = rows.split_at(ranking.candidates.len());
+            let (own, others) = rows.split_at(ranking.rows.len());
             tables.push(table(&ranking.question, own));
             rows = others;
         }
         tables.reverse();
         text += &tables.concat();
         let question = &self.rankings[0].question;
-        let own = &body.rows[..self.rankings[0].candidates.len()];
+        let own = &body.rows[..self.rankings[0].rows.len()];
         let (reached, out_of_reach): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
             own.iter().partition(|row| row.n.is_some());
         if !reached.is_empty() {
@@ -180,14 +169,9 @@ fn explanation(question: &Question) -> String {
     )
 }
 
-/// Returns a line for one candidate, printed before all are known.
-pub(super) fn line<P: Choosable>(
-    candidate: &TimedCandidate<P>,
-    question: &Question,
-    predictor: &PredictorOf<'_, P>,
-) -> String {
-    let record = CandidateRecord::new(0, candidate, question, predictor);
-    let CandidateRecord { label, basis, .. } = &record;
+/// Returns a line for one row, printed before all are known.
+pub(super) fn line(record: &CandidateRecord) -> String {
+    let CandidateRecord { label, basis, .. } = record;
     match record.n {
         Some(_) => {
             let error = record.error_text(record.relative_error.or(record.error));

@@ -81,6 +81,14 @@ impl Question {
         }
     }
 
+    /// Returns the requested number of points.
+    pub(super) fn points(&self) -> Option<usize> {
+        match self.requested {
+            Requested::Error { .. } => None,
+            Requested::Points(n) => Some(n),
+        }
+    }
+
     /// Returns the maximum number of points.
     pub(super) fn max_points(&self) -> usize {
         match self.requested {

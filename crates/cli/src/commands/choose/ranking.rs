@@ -1,15 +1,16 @@
-//! The candidates for one integral, best first.
+//! The samplers for one integral, best first.
 
 use sphvar_integrands::Integrand;
 use sphvar_samplers::{Pattern, SquarePattern};
-use sphvar_variance::{PredictionBudget, Predictor, SquarePredictor, predict};
+use sphvar_variance::{PredictionBudget, Predictor, SquarePredictor, predict, settled_degree_of};
 
 use super::args::ChooseArgs;
-use super::candidate::{self, TimedCandidate};
-use super::choosable::{Choosable, PredictorOf};
+use super::candidate::TimedCandidate;
+use super::choosable::{patterns, share, square_patterns, square_share};
+use super::contest::Contest;
 use super::question::Question;
 use super::record::{CoefficientRecord, LeftOut};
-use super::{MAX_BUDGETS, budgets, presentation};
+use super::row::{Row, rank};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{Integral, NamedSquareIntegrand, check_domain};
@@ -23,14 +24,19 @@ const TYPICAL_POINTS: usize = 1024;
 /// The minimum memory of a point of a transformed set, in bytes.
 const BYTES_PER_POINT: f64 = 24.0;
 
-/// The candidates for one integral, best first.
-pub(super) struct Ranking<'a, P: Choosable> {
+/// The samplers for one integral, best first.
+pub(super) struct Ranking<'a> {
     pub(super) question: Question,
-    pub(super) predictor: PredictorOf<'a, P>,
-    pub(super) candidates: Vec<TimedCandidate<P>>,
+    pub(super) domain: String,
+    pub(super) rows: Vec<Row>,
     pub(super) left_out: Vec<LeftOut>,
-    /// For each candidate, the errors of the coefficients that an irradiance follows from.
-    pub(super) coefficients: Vec<Option<Vec<CoefficientRecord>>>,
+    /// The variance of white noise with one point.
+    pub(super) white_variance: f64,
+    /// The number of points with which white noise has the requested error.
+    pub(super) white_noise_points: Option<f64>,
+    /// On the sphere and the hemisphere, which have a degree beyond which every pattern has the mean
+    /// power of white noise.
+    uniform: Option<Predictor<'a>>,
 }
 
 /// A coefficient of a projection.
@@ -41,9 +47,9 @@ struct Coefficient<'a> {
     predictor: Predictor<'a>,
 }
 
-impl<'a> Ranking<'a, Pattern> {
+impl<'a> Ranking<'a> {
     /// Returns the candidates for an integral over the sphere or the hemisphere.
-    pub(super) fn new(
+    pub(super) fn on_sphere(
         args: &ChooseArgs,
         global: &Global,
         integral: &'a Integral<'_>,
@@ -58,12 +64,11 @@ impl<'a> Ranking<'a, Pattern> {
             Predictor::new(function, domain, global.seed, PredictionBudget::DEFAULT)
                 .map_err(CliError::usage)
         };
-        let predictor = of(&*integrand.function)?.on_energies(announce);
+        let mut predictor = of(&*integrand.function)?.on_energies(announce);
         let quantity = if integral.is_irradiance() { "irradiance" } else { "integral" };
         let estimate = integrand.function.integral_estimate(domain);
         let largest = (domain.area() * predictor.energy().total()).sqrt();
         let question = Question::new(args, &integrand.name, quantity, estimate, largest)?;
-        let mut ranking = Self::of_patterns(args, global, named, question, predictor)?;
         let coefficient = |integral: &'a Integral<'_>| {
             let (l, m) = integral.order.unwrap_or_default();
             let function = &*integral.integrand.function;
@@ -72,14 +77,38 @@ impl<'a> Ranking<'a, Pattern> {
         };
         let mut coefficients =
             coefficients.iter().map(coefficient).collect::<Result<Vec<_>, CliError>>()?;
-        for (candidate, records) in ranking.candidates.iter().zip(&mut ranking.coefficients) {
-            *records = coefficients_of(candidate, &mut coefficients)?;
-        }
-        Ok(ranking)
-    }
-}
 
-impl<'a> Ranking<'a, SquarePattern> {
+        let is_named = named.is_some();
+        let typical = typical_points(args)?;
+        let (patterns, shares) = in_order(
+            named.unwrap_or_else(patterns),
+            |p| p.nominal_work(typical),
+            |p| share(p, typical, domain),
+        );
+        let progress = Progress::new(shares.iter().sum(), global.quiet);
+        let mut contest = Contest::new(question, global.seed, is_named, &progress);
+        let white = |predictor: &Predictor<'_>, n: usize| predictor.white_variance(n);
+        for (pattern, share) in patterns.into_iter().zip(shares) {
+            if let Some(candidate) = contest.add(pattern, &mut predictor, white)
+                && let Some(row) = contest.rows.last_mut()
+            {
+                row.record.coefficients = coefficients_of(&candidate, &mut coefficients)?;
+            }
+            progress.advance(share);
+        }
+        let Contest { question, rows, left_out, .. } = contest;
+        Self {
+            domain: domain.to_string(),
+            white_variance: predictor.white_variance(1),
+            white_noise_points: question.white_noise_points(&predictor),
+            question,
+            rows,
+            left_out,
+            uniform: Some(predictor),
+        }
+        .ranked()
+    }
+
     /// Returns the candidates for an integral over the unit square.
     pub(super) fn on_square(
         args: &ChooseArgs,
@@ -87,16 +116,91 @@ impl<'a> Ranking<'a, SquarePattern> {
         integrand: &'a NamedSquareIntegrand,
     ) -> Result<Self, CliError> {
         let named = args.samplers.list();
-        let named = named.map(|list| parse_patterns(&list, global.quiet)).transpose()?;
+        let named: Option<Vec<SquarePattern>> =
+            named.map(|list| parse_patterns(&list, global.quiet)).transpose()?;
         let function = &*integrand.function;
         let budget = PredictionBudget::DEFAULT;
-        let predictor = SquarePredictor::new(function, global.seed, budget)
+        let mut predictor = SquarePredictor::new(function, global.seed, budget)
             .map_err(|e| CliError::Usage(format!("{}: {e}", integrand.name)))?;
         let largest = predictor.energy().total().sqrt();
         let estimate = function.integral_estimate();
         let question = Question::new(args, &integrand.name, "integral", estimate, largest)?;
-        Self::of_patterns(args, global, named, question, predictor)
+        let is_named = named.is_some();
+        let typical = typical_points(args)?;
+        let (patterns, shares) = in_order(
+            named.unwrap_or_else(square_patterns),
+            |p| p.nominal_work(typical),
+            |p| square_share(p, typical),
+        );
+        let progress = Progress::new(shares.iter().sum(), global.quiet);
+        let mut contest = Contest::new(question, global.seed, is_named, &progress);
+        let white = |predictor: &SquarePredictor<'_>, n: usize| predictor.white_variance(n);
+        for (pattern, share) in patterns.into_iter().zip(shares) {
+            contest.add(pattern, &mut predictor, white);
+            progress.advance(share);
+        }
+        let Contest { question, rows, left_out, .. } = contest;
+        Self {
+            domain: predictor.space().to_string(),
+            white_variance: predictor.white_variance(1),
+            white_noise_points: question.white_noise_points(&predictor),
+            question,
+            rows,
+            left_out,
+            uniform: None,
+        }
+        .ranked()
     }
+
+    /// Sorts the rows, of which there must be one.
+    fn ranked(mut self) -> Result<Self, CliError> {
+        if self.rows.is_empty() {
+            let reasons: Vec<String> =
+                self.left_out.iter().map(|l| format!("{}: {}", l.label, l.reason)).collect();
+            return Err(CliError::Failed(reasons.join("; ")));
+        }
+        rank(&mut self.rows);
+        Ok(self)
+    }
+
+    /// Returns a remark if most of the variance lies in degrees in which no pattern has less power
+    /// than white noise.
+    pub(super) fn beyond_help(&mut self, n_points: usize) -> Result<String, CliError> {
+        let Some(predictor) = &mut self.uniform else { return Ok(String::new()) };
+        let settled = settled_degree_of(n_points, predictor.domain());
+        let share = predictor.share_beyond(settled)?;
+        Ok(if share > 0.5 {
+            format!(
+                " No pattern can: {} of the variance lies beyond degree {settled}, where every pattern of \
+                 {n_points} points has the mean power of white noise.",
+                number::percent(share)
+            )
+        } else {
+            String::new()
+        })
+    }
+}
+
+/// Returns the number of points at which patterns are ordered by cost, if memory suffices for it.
+fn typical_points(args: &ChooseArgs) -> Result<usize, CliError> {
+    if let Some(n) = args.count.count {
+        check_memory(&format!("-n {n}"), BYTES_PER_POINT * n as f64)?;
+    }
+    Ok(args.count.count.unwrap_or(TYPICAL_POINTS))
+}
+
+/// Returns different patterns, inexpensive ones first, with their shares in the progress.
+///
+/// The order depends on nominal work rather than on time, and so is the same on every machine.
+fn in_order<P: PartialEq>(
+    mut patterns: Vec<P>,
+    work: impl Fn(&P) -> f64,
+    share: impl Fn(&P) -> f64,
+) -> (Vec<P>, Vec<f64>) {
+    patterns.sort_by(|a, b| work(a).total_cmp(&work(b)));
+    patterns.dedup();
+    let shares = patterns.iter().map(share).collect();
+    (patterns, shares)
 }
 
 /// Returns the errors of the coefficients with the number of points of a candidate, from the
@@ -126,85 +230,4 @@ fn coefficients_of(
         });
     }
     Ok(Some(records))
-}
-
-impl<'a, P: Choosable> Ranking<'a, P> {
-    /// Returns the candidates among `named` patterns, or all that are considered by default.
-    pub(super) fn of_patterns(
-        args: &ChooseArgs,
-        global: &Global,
-        named: Option<Vec<P>>,
-        question: Question,
-        mut predictor: PredictorOf<'a, P>,
-    ) -> Result<Self, CliError> {
-        let space = predictor.space();
-        let is_named = named.is_some();
-        let mut patterns = named.unwrap_or_else(P::considered);
-        if let Some(n) = args.count.count {
-            check_memory(&format!("-n {n}"), BYTES_PER_POINT * n as f64)?;
-        }
-
-        let typical = args.count.count.unwrap_or(TYPICAL_POINTS);
-        // Inexpensive patterns come first. The order depends on nominal work rather than on time,
-        // and so is the same on every machine.
-        let work = |pattern: &P| P::nominal_work(pattern, typical);
-        patterns.sort_by(|a, b| work(a).total_cmp(&work(b)));
-        patterns.dedup();
-        let shares: Vec<f64> = patterns.iter().map(|p| P::share(p, typical, space)).collect();
-        let progress = Progress::new(shares.iter().sum(), global.quiet);
-        let (mut candidates, mut left_out) = (Vec::<TimedCandidate<P>>::new(), Vec::new());
-        let (mut best, mut min_points) = (f64::INFINITY, None);
-        for (pattern, share) in patterns.into_iter().zip(shares) {
-            if candidates.iter().any(|c| *c.answer.curve.pattern() == pattern) {
-                continue;
-            }
-            progress.stage(&pattern.label());
-            let budgets = args.count.count.map_or(0.0, |n| budgets(&pattern, n));
-            if !is_named && budgets > MAX_BUDGETS {
-                left_out.push(LeftOut {
-                    sampler: pattern.to_string(),
-                    label: pattern.label(),
-                    reason: format!(
-                        "a prediction costs {} times the work budget; name the sampler to include it",
-                        number::count(budgets)
-                    ),
-                });
-            } else {
-                // A pattern that the user names is kept unchanged, however far behind it is.
-                let limit = min_points.filter(|_| !is_named && args.cost_per_sample.is_none());
-                let (label, name) = (pattern.label(), pattern.to_string());
-                let candidate =
-                    TimedCandidate::new(pattern, limit, &question, &mut predictor, global.seed)
-                        .and_then(|c| match is_named {
-                            true => Ok(c),
-                            false => c.tuned(&question, &mut predictor, best, global.seed),
-                        });
-                match candidate {
-                    Ok(candidate) => {
-                        best = best.min(candidate.answer.variance.map_or(f64::INFINITY, |v| v.0));
-                        if candidate.basis() == "predicted" {
-                            min_points =
-                                candidate.answer.n_points.into_iter().chain(min_points).min();
-                        }
-                        progress.line(&presentation::line(&candidate, &question, &predictor));
-                        candidates.push(candidate);
-                    }
-                    Err(error) => {
-                        let reason = error.to_string();
-                        left_out.push(LeftOut { sampler: name, label, reason });
-                    }
-                }
-            }
-            progress.advance(share);
-        }
-        drop(progress);
-        if candidates.is_empty() {
-            let reasons: Vec<String> =
-                left_out.iter().map(|l| format!("{}: {}", l.label, l.reason)).collect();
-            return Err(CliError::Failed(reasons.join("; ")));
-        }
-        candidate::rank(&mut candidates, &question);
-        let coefficients = candidates.iter().map(|_| None).collect();
-        Ok(Self { question, predictor, candidates, left_out, coefficients })
-    }
 }

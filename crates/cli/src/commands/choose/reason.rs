@@ -4,16 +4,14 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::Energy;
 use sphvar_sh::Bands;
+use sphvar_variance::{IntegrationSpace, PredictedPoint, PredictorOn};
 
-use super::candidate::TimedCandidate;
-use super::choosable::{Choosable, PredictorOf};
 use crate::commands::power_chart::{ShownBands, largest_radius, radius, whole};
-use crate::patterns::BandsOf;
 use crate::report::number;
 
 /// The degrees that contribute most of the variance of the integrand, and the power of the pattern
 /// there.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct Reason {
     /// The sampler with its parameters.
     sampler: String,
@@ -33,14 +31,13 @@ pub(crate) struct Reason {
 }
 
 impl Reason {
-    /// Returns the reason for a pattern with a prediction at its number of points or at the largest
-    /// one tried, or `None` if half of the energy lies beyond the computed degrees.
-    pub(super) fn new<P: Choosable>(
-        candidate: &TimedCandidate<P>,
-        predictor: &PredictorOf<'_, P>,
+    /// Returns the reason for a prediction of a pattern, or `None` if half of the energy lies beyond
+    /// the computed degrees.
+    pub(super) fn new<S: IntegrationSpace<Bands: ShownBands>>(
+        sampler: String,
+        point: &PredictedPoint<S::Bands>,
+        predictor: &PredictorOn<'_, S>,
     ) -> Option<Self> {
-        let at = candidate.answer.n_points.and_then(|n| candidate.answer.curve.at(n));
-        let point = at.or(candidate.answer.curve.points().last())?;
         let energy = predictor.energy();
         let last = half_degree(energy)?;
         let power = point.power_to(energy, last);
@@ -50,9 +47,9 @@ impl Reason {
         let common = largest_radius(&point.spectrum).min(radius(energy.bands(), energy.lmax()));
         let radius = energy.bands().radius(last);
         (radius <= common as f64 && power.is_finite()).then(|| Self {
-            sampler: candidate.answer.curve.pattern().to_string(),
+            sampler,
             n: point.n_points(),
-            range: BandsOf::<P>::range(radius),
+            range: S::Bands::range(radius),
             half_degree: whole(radius),
             power_of_half: power,
             share_of_half: factor * low * power / point.prediction.variance,

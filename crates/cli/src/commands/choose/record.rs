@@ -2,15 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_variance::{IntegrationSpace, PredictedPoint, RequiredPoints};
+use sphvar_variance::{PredictedVariance, RequiredPoints};
 
 use super::candidate::TimedCandidate;
-use super::choosable::{Choosable, PredictorOf};
+use super::choosable::{Choosable, Details};
 use super::crossings::CrossingRecord;
 use super::question::Question;
 use super::reason::Reason;
-use crate::commands::power_chart::largest_radius;
-use crate::patterns::{BandsOf, n_effective};
 use crate::report::{Column, number};
 
 /// A sampler that was not considered.
@@ -26,7 +24,7 @@ pub(super) struct LeftOut {
 }
 
 /// A sampler with what it needs or achieves. A number that cannot be given is null.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct CandidateRecord {
     /// The place, from 1 for the best.
     pub(super) rank: usize,
@@ -84,7 +82,7 @@ pub(super) struct CandidateRecord {
 }
 
 /// The error of a coefficient in real spherical harmonics.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct CoefficientRecord {
     /// The degree.
     pub(super) l: usize,
@@ -99,7 +97,7 @@ pub(super) struct CoefficientRecord {
 }
 
 /// The prediction at one number of points.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct CurveRecord {
     /// The number of points.
     pub(super) n: usize,
@@ -148,49 +146,49 @@ pub(crate) struct ChoiceBody {
 }
 
 impl CandidateRecord {
+    /// Returns the record of a candidate, apart from its rank; `white` is the variance of white noise
+    /// with a number of points.
     pub(super) fn new<P: Choosable>(
-        rank: usize,
         candidate: &TimedCandidate<P>,
+        details: &Details,
         question: &Question,
-        predictor: &PredictorOf<'_, P>,
+        predictor: &P::Predictor<'_>,
+        white: &dyn Fn(usize) -> f64,
     ) -> Self {
-        let (curve, space) = (&candidate.answer.curve, predictor.space());
-        let point = candidate.answer.n_points.and_then(|n| curve.at(n));
-        let rate = match candidate.answer.required {
+        let answer = &candidate.answer;
+        let (curve, n_points) = (&answer.curve, answer.n_points);
+        let point = n_points.and_then(|n| curve.at(n)).map(P::Point::prediction);
+        let rate = match answer.required {
             Some(RequiredPoints::Extrapolated { fit, .. }) => Some(fit),
-            _ => candidate.answer.n_points.and_then(|n| curve.rate_near(n)),
+            _ => n_points.and_then(|n| curve.rate_near(n)),
         };
-        let variance = candidate.answer.variance.map(|v| v.0);
-        let white = candidate.answer.n_points.map(|n| predictor.white_variance(n));
+        let variance = answer.variance.map(|v| v.0);
         let finite = |x: &f64| x.is_finite();
-        let curve_point = |p: &PredictedPoint<BandsOf<P>>| CurveRecord {
-            n: p.n_points(),
-            variance: p.prediction.variance,
-            variance_stderr: p.prediction.stderr,
-            variance_tail_error: p.prediction.tail_error,
+        let curve_point = |point: &P::Point| CurveRecord {
+            n: point.n_points(),
+            variance: point.prediction().variance,
+            variance_stderr: point.prediction().stderr,
+            variance_tail_error: point.prediction().tail_error,
         };
         // The variance of a constant is rounding error, so its variance reduction and rate are
         // meaningless.
-        let varies = predictor.white_variance(1) > 0.0;
-        let (rate, white) = (rate.filter(|_| varies), white.filter(|_| varies));
+        let varies = white(1) > 0.0;
+        let (rate, white) = (rate.filter(|_| varies), n_points.map(white).filter(|_| varies));
         Self {
-            rank,
+            rank: 0,
             sampler: curve.pattern().to_string(),
             label: curve.pattern().label(),
             integrand: question.integrand.clone(),
-            n: candidate.answer.n_points,
-            n_effective: point.and_then(|point| {
-                let sampler = curve.pattern().build(point.n_points(), space).ok()?;
-                n_effective::<P>(P::Space::sampler(&sampler), &point.spectrum)
-            }),
+            n: n_points,
+            n_effective: details.n_effective,
             basis: candidate.basis(),
-            too_few: match candidate.answer.required {
+            too_few: match answer.required {
                 Some(RequiredPoints::Predicted { too_few, .. }) => too_few,
                 _ => None,
             },
             variance,
-            variance_stderr: point.map(|p| p.prediction.stderr).filter(finite),
-            variance_tail_error: point.map(|p| p.prediction.tail_error).filter(finite),
+            variance_stderr: point.map(|p| p.stderr).filter(finite),
+            variance_tail_error: point.map(|p| p.tail_error).filter(finite),
             error: variance.map(f64::sqrt),
             relative_error: variance.and_then(|v| question.relative(v.sqrt())),
             variance_reduction: white.zip(variance).map(|(white, v)| white / v).filter(finite),
@@ -199,12 +197,10 @@ impl CandidateRecord {
             seconds_per_set: candidate.set_time.map(|m| m.seconds),
             seconds_are_scaled: candidate.set_time.is_some_and(|m| m.is_scaled),
             seconds_in_all: candidate.seconds_in_all,
-            lmax: point.map(|p| largest_radius(&p.spectrum)),
-            realizations: point.map(|p| p.spectrum.realizations()),
-            last_empty_degree: candidate
-                .answer
-                .n_points
-                .and_then(|n| P::last_empty_degree(curve.pattern(), n, space)),
+            lmax: details.lmax,
+            realizations: details.realizations,
+            last_empty_degree: n_points
+                .and_then(|n| P::last_empty_degree(curve.pattern(), n, predictor)),
             curve: curve.points().iter().map(curve_point).collect(),
             coefficients: None,
         }
