@@ -2,7 +2,7 @@ use glam::DVec3;
 use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
-use crate::{Coefficients, Energy, Error, Shape, quadrature};
+use crate::{Coefficients, Energy, EnvironmentMap, Error, Shape, quadrature};
 
 /// A real function of direction, to be integrated over the sphere or the hemisphere.
 ///
@@ -49,6 +49,12 @@ pub trait Integrand: Sync {
             reason: "only its values are known; wrap it in `AdaptiveFunction` or `SampledFunction`, or \
                      implement `Integrand::shape`",
         })
+    }
+
+    /// Returns the environment map that the function is, if it is one: products with functions of z
+    /// follow from its rows.
+    fn environment_map(&self) -> Option<&EnvironmentMap> {
+        None
     }
 
     /// Returns the exact integral of f over the domain, if it is known.
@@ -197,6 +203,10 @@ impl Integrand for Box<dyn Integrand + '_> {
 
     fn shape(&self) -> Result<Shape, Error> {
         (**self).shape()
+    }
+
+    fn environment_map(&self) -> Option<&EnvironmentMap> {
+        (**self).environment_map()
     }
 
     fn exact(&self, domain: Domain) -> Option<f64> {

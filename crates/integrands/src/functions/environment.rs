@@ -1,5 +1,7 @@
 mod density;
+mod nodes;
 mod square;
+mod zonal_product;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,9 +9,11 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::Domain;
-use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
+use sphvar_sh::{Alm, ByParity};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
+use self::nodes::Node;
+pub(crate) use self::zonal_product::ZonalProduct;
 use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
 
 /// An equirectangular map of a scalar with W = 2H texels per row, such as the incident light by
@@ -32,16 +36,6 @@ pub struct EnvironmentMap {
     texels: Vec<f64>,
     /// The longitude of the left edge of column 0.
     first_longitude: f64,
-}
-
-/// A node of the quadrature over theta.
-struct Node {
-    colatitude: Colatitude,
-    /// The rows on either side and the share of the second.
-    rows: (usize, usize),
-    share: f64,
-    /// Weight of the rule times sin(theta).
-    weight: f64,
 }
 
 impl EnvironmentMap {
@@ -109,7 +103,11 @@ impl EnvironmentMap {
     ///
     /// [`Error::Harmonics`] if `lmax` is out of range or memory is exhausted.
     pub fn alm(&self, domain: Domain, lmax: usize) -> Result<Alm, Error> {
-        let nodes = self.nodes(domain, lmax)?;
+        self.alm_of_nodes(&self.nodes(domain, lmax)?, lmax)
+    }
+
+    /// Returns the coefficients to degree `lmax` of the map with the weights of nodes over theta.
+    fn alm_of_nodes(&self, nodes: &[Node], lmax: usize) -> Result<Alm, Error> {
         let rows = self.row_transforms();
         let mut alm = Alm::zeros(lmax)?;
         let texel = TAU / self.width as f64;
@@ -122,7 +120,7 @@ impl EnvironmentMap {
                 let phase = -half - self.first_longitude * m as f64;
                 let hat = Complex::cis(phase) * (texel * sinc * sinc);
                 let column = m % self.width;
-                for (f, node) in fourier.iter_mut().zip(&nodes) {
+                for (f, node) in fourier.iter_mut().zip(nodes) {
                     let row = |i: usize| rows[i * self.width + column];
                     let value =
                         row(node.rows.0) * (1.0 - node.share) + row(node.rows.1) * node.share;
@@ -140,45 +138,6 @@ impl EnvironmentMap {
         let mut rows: Vec<_> = self.texels.iter().map(|&x| Complex::new(x, 0.0)).collect();
         f64::fourier_plan(self.width, FftDirection::Forward).process(&mut rows);
         rows
-    }
-
-    /// Nodes and weights for integrals over theta of the map times functions of degree up to
-    /// `degree`, to rounding.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "row numbers and node counts are small"
-    )]
-    fn nodes(&self, domain: Domain, degree: usize) -> Result<Vec<Node>, Error> {
-        let end = match domain {
-            Domain::Sphere => PI,
-            Domain::Hemisphere => FRAC_PI_2,
-        };
-        let step = PI / self.height as f64;
-        // The phase varies by `degree step / 2` radians to either side of the middle of a panel;
-        // with more than half that number of nodes the error of the rule falls faster than
-        // exponentially.
-        let rule = GaussLegendre::new((0.25 * degree as f64 * step) as usize + 12)?;
-        let last = self.height - 1;
-        let mut nodes = Vec::new();
-        let mut from = 0.0;
-        // Panel p lies between the centres of rows p - 1 and p.
-        for panel in 0..=self.height {
-            let to = if panel > last { end } else { f64::min((panel as f64 + 0.5) * step, end) };
-            let half = 0.5 * (to - from);
-            if half <= 0.0 {
-                break;
-            }
-            let rows = (panel.saturating_sub(1), panel.min(last));
-            for (&x, &w) in rule.nodes().iter().zip(rule.weights()) {
-                let theta = from + half * (1.0 + x);
-                let colatitude = Colatitude::from_theta(theta)?;
-                let share = theta / step + 0.5 - panel as f64;
-                nodes.push(Node { colatitude, rows, share, weight: half * w * colatitude.sin() });
-            }
-            from = to;
-        }
-        Ok(nodes)
     }
 
     /// `int F` and `int F^2` over the domain.
@@ -264,6 +223,10 @@ impl Integrand for EnvironmentMap {
 
     fn exact(&self, domain: Domain) -> Option<f64> {
         Some(self.integrals(domain).0)
+    }
+
+    fn environment_map(&self) -> Option<&EnvironmentMap> {
+        Some(self)
     }
 
     /// Edges are the rows and columns of texel centres.

@@ -1,14 +1,15 @@
 use glam::DVec3;
-use sphvar_sh::Domain;
+use sphvar_sh::{ByParity, Domain};
 
+use super::environment::ZonalProduct;
 use super::inner_product::{inner_product, product_into};
 use crate::quadrature::{self, Estimates};
-use crate::{Energy, Error, Integrand, Shape};
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// The product of two integrands, such as light and the lobe that reflects it.
 ///
-/// Its integral is an inner product of coefficients where one factor has no edges; all other
-/// results come from quadrature over rings that are split at the edges of both. Factors without a
+/// Products of an environment map and a function of z follow from the rows of the map. Otherwise the
+/// integral is an inner product of coefficients where one factor has no edges; all other results come from quadrature over rings that are split at the edges of both. Factors without a
 /// known shape (closures, HEALPix maps) provide the values and at most the integral.
 ///
 /// # Examples
@@ -39,6 +40,10 @@ impl<A: Integrand, B: Integrand> Product<A, B> {
     pub fn new(first: A, second: B) -> Self {
         Self { first, second, estimates: Estimates::default() }
     }
+
+    fn zonal_product(&self) -> Option<ZonalProduct<'_>> {
+        ZonalProduct::of(&self.first, &self.second)
+    }
 }
 
 impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
@@ -55,9 +60,32 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
     }
 
     fn exact(&self, domain: Domain) -> Option<f64> {
+        if let Some(product) = self.zonal_product() {
+            return product.integral(domain).ok();
+        }
         // The even extension contains the hemisphere twice.
         let copies = if domain == Domain::Sphere { 1.0 } else { 0.5 };
         Some(copies * inner_product(&self.first, &self.second, domain).ok()?)
+    }
+
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        match self.zonal_product() {
+            Some(product) => product.coefficients(domain, lmax),
+            None => quadrature::coefficients(&self.shape()?, domain, lmax, &|dirs, values| {
+                self.eval_into(dirs, values)
+            }),
+        }
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        if let Some(product) = self.zonal_product()
+            && let Some(parts) = product.centred_square(domain)?
+        {
+            return Ok(parts);
+        }
+        quadrature::centred_square(&self.shape()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     fn kurtosis(&self, domain: Domain) -> Option<f64> {

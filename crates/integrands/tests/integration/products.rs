@@ -6,8 +6,9 @@ use glam::{DQuat, DVec3};
 use num_complex::Complex;
 use sphvar_healpix::Nside;
 use sphvar_integrands::{
-    AdaptiveFunction, Cap, ClampedCosine, Energy, EnvironmentMap, GgxLobe, HealpixMap, Integrand,
-    PhongLobe, Product, Rotated, Sum, Tolerance, VisibleHalfEstimator, VisibleHalfIntegrand,
+    AbsCosine, AdaptiveFunction, Cap, ClampedCosine, Energy, EnvironmentMap, Error, GgxLobe,
+    HealpixMap, Integrand, PhongLobe, Product, Rotated, Shape, Sum, Tolerance,
+    VisibleHalfEstimator, VisibleHalfIntegrand,
 };
 use sphvar_samplers::Domain;
 use sphvar_sh::ylm_at;
@@ -167,4 +168,63 @@ fn affordable_products_stay_exact() {
         let estimated = AdaptiveFunction::new(product(), domain, tolerance).unwrap();
         assert_within_errors("lobe", &estimated.energy(domain, 30).unwrap(), &exact);
     }
+}
+
+/// A map of which only values and edges are known, for quadrature between all of them.
+struct Values(EnvironmentMap);
+
+impl Integrand for Values {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.0.eval(dir)
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        self.0.shape()
+    }
+}
+
+/// Products of a map and a function of z follow from the rows of the map; quadrature between all
+/// edges gives the same.
+#[test]
+fn products_with_functions_of_z_agree_with_quadrature() {
+    let below = DQuat::from_rotation_x(std::f64::consts::PI);
+    let factors: [&dyn Fn() -> Box<dyn Integrand>; 6] = [
+        &|| Box::new(ClampedCosine),
+        &|| Box::new(AbsCosine),
+        &|| Box::new(PhongLobe::new(20.0).unwrap()),
+        &|| Box::new(Cap::from_degrees(50.0).unwrap()),
+        &|| Box::new(Cap::from_degrees(117.0).unwrap()),
+        &|| Box::new(Rotated::new(Cap::from_degrees(70.0).unwrap(), below).unwrap()),
+    ];
+    let map = || environment(6).with_first_longitude(0.3);
+    for (i, factor) in factors.iter().enumerate() {
+        for domain in DOMAINS {
+            if domain == Domain::Hemisphere && i == 5 {
+                continue;
+            }
+            let rows = Product::new(factor(), map());
+            let values = Product::new(Values(map()), factor());
+            let [a, b] = [rows.exact(domain), values.exact(domain)].map(Option::unwrap);
+            assert!((a / b - 1.0).abs() < 1e-12, "{i} {domain}: {a}, {b}");
+            let [a, b] = [rows.energy(domain, 24), values.energy(domain, 24)].map(Result::unwrap);
+            assert!(a.errors().is_none() && b.errors().is_none());
+            let rounding = 1e-12 * b.total();
+            for (l, (a, b)) in a.per_band().iter().zip(b.per_band()).enumerate() {
+                assert!((a - b).abs() <= rounding, "{i} {domain} l = {l}: {a}, {b}");
+            }
+            let (a, b) = (a.centred(), b.centred());
+            let difference = (a.even - b.even).abs().max((a.odd - b.odd).abs());
+            assert!(difference <= rounding, "{i} {domain}: {a:?}, {b:?}");
+        }
+    }
+}
+
+/// The part above the horizon of a constant map of 1 times the indicator of z >= 0 is constant, so
+/// nothing is left of its centred square but rounding.
+#[test]
+fn a_constant_product_has_no_variation() {
+    let constant = EnvironmentMap::new(8, 4, vec![1e3; 32]).unwrap();
+    let product = Product::new(constant, Cap::from_degrees(90.0).unwrap());
+    let square = product.centred_square(Domain::Hemisphere).unwrap().sum();
+    assert!(square < 1e-24 * 1e6, "{square}");
 }
