@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::guide::{bracket, last_interval};
 use super::latitude::Band;
+use super::longitude::Columns;
 use super::{DensityMap, Interpolation};
 use crate::polar::half_open;
 use crate::{Support, Warp, WarpSample};
@@ -20,6 +21,15 @@ impl DensityMap {
         let band = self.band(index);
         let t = self.profile(&band).inverse(target - self.bands[index]);
         (band, t)
+    }
+
+    /// Returns the directions of a fraction u.
+    fn parallel(&self, u: f64) -> Parallel<'_> {
+        let (band, t) = self.find_band(u);
+        let (sin, z) = (band.top.radians + t).sin_cos();
+        // The cosine of pi/2, rounded, may be negative.
+        let z = if self.is_hemisphere { z.max(0.0) } else { z };
+        Parallel { map: self, columns: self.columns(&band, t), sin, z }
     }
 
     /// The shift of cells by half a column if they lie between centres.
@@ -43,6 +53,26 @@ impl DensityMap {
     }
 }
 
+/// The directions of one latitude.
+#[derive(Clone, Copy)]
+struct Parallel<'a> {
+    map: &'a DensityMap,
+    columns: Columns<'a>,
+    sin: f64,
+    z: f64,
+}
+
+impl Parallel<'_> {
+    fn sample(&self, v: f64) -> WarpSample {
+        let Self { map, columns, sin: sin_theta, z } = *self;
+        let (cell, x, value) = columns.find(v);
+        let turns = (cell as f64 + x + map.offset()) / map.width as f64;
+        let (sin, cos) = (map.first_longitude + TAU * turns).sin_cos();
+        let point = DVec3::new(sin_theta * cos, sin_theta * sin, z);
+        WarpSample { point, density: map.density_of(value) }
+    }
+}
+
 /// Returns the whole part of a number that is not negative, at most `len - 1`.
 #[expect(
     clippy::cast_possible_truncation,
@@ -55,16 +85,18 @@ pub(super) fn index_of(x: f64, len: usize) -> usize {
 
 impl Warp for DensityMap {
     fn sample(&self, [u, v]: [f64; 2]) -> WarpSample {
-        let (band, t) = self.find_band(u);
-        let (cell, x, value) = self.columns(&band, t).find(v);
-        let turns = (cell as f64 + x + self.offset()) / self.width as f64;
-        let (sin, cos) = (self.first_longitude + TAU * turns).sin_cos();
-        let theta = band.top.radians + t;
-        let (sin_theta, z) = theta.sin_cos();
-        // The cosine of pi/2, rounded, may be negative.
-        let z = if self.is_hemisphere { z.max(0.0) } else { z };
-        let point = DVec3::new(sin_theta * cos, sin_theta * sin, z);
-        WarpSample { point, density: self.density_of(value) }
+        self.parallel(u).sample(v)
+    }
+
+    /// Consecutive points of equal u share their latitude, about half of the work.
+    fn sample_into(&self, points: &[[f64; 2]], samples: &mut Vec<WarpSample>) {
+        samples.clear();
+        let mut last: Option<(f64, Parallel<'_>)> = None;
+        samples.extend(points.iter().map(|&[u, v]| {
+            let known = last.filter(|(of, _)| of.to_bits() == u.to_bits());
+            let (_, parallel) = *last.insert(known.unwrap_or_else(|| (u, self.parallel(u))));
+            parallel.sample(v)
+        }));
     }
 
     fn density(&self, dir: DVec3) -> f64 {
