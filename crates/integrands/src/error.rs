@@ -171,7 +171,8 @@ pub enum Error {
     /// A density is 0 where the integrand is not.
     #[error(
         "the density is 0 where the integrand is not: at theta = {theta:.1}, phi = {phi:.1} degrees; \
-         {:.2} % of the integral of |f| is lost; `floor=` mixes in the uniform density", 100.0 * share
+         {} % of the integral of |f| is lost; `floor=` mixes in the uniform density",
+        percent(*share)
     )]
     ZeroDensity {
         /// The colatitude of a direction that no point reaches, in degrees.
@@ -213,4 +214,10 @@ pub enum Error {
     /// A harmonic evaluation or transform rejected its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),
+}
+
+/// Returns a share in percent, with two digits where it is small.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 0.01 { format!("{percent:.1e}") } else { format!("{percent:.2}") }
 }
