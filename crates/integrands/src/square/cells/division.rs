@@ -33,11 +33,11 @@ impl Cells<'_> {
                 })
                 .collect();
             // Halves have fewer nodes than their cell each.
-            let mut room = max.saturating_sub(self.nodes.len());
+            let mut remaining = max.saturating_sub(self.nodes.len());
             chosen.retain(|i| {
                 let len = 2 * self.list[*i].len();
-                let fits = len <= room;
-                room -= if fits { len } else { room };
+                let fits = len <= remaining;
+                remaining -= if fits { len } else { remaining };
                 fits
             });
             if chosen.is_empty() {
