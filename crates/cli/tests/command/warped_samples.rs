@@ -34,8 +34,6 @@ fn points_have_the_weights_of_their_density() {
     let texts: Vec<String> = place.names().iter().map(|name| place.text(name)).collect();
     assert_ne!(rows(&texts[0]), rows(&texts[1]));
     for text in &texts {
-        assert!(text.contains("weights 1/(N p)"), "{text}");
-        assert!(text.contains("sobol:warp=cosine"), "{text}");
         let rows = rows(text);
         assert_eq!(rows.len(), 64);
         for [_, _, z, w] in &rows {
@@ -70,12 +68,15 @@ fn json_and_npz_have_the_points_of_csv() {
     let document = place.run(&format!("{run} -o - --json")).ok().json();
     let weights = numbers(&document["weights"][1]);
     place.run(&format!("{run} -o s.npz")).ok();
-    place.run("sample file:s.npz -m 2 -o again-{i}.csv").ok();
+    place.run("sample file:s.npz -o again-{i}.csv").ok();
     let again = rows(&place.text("again-000001.csv"));
     assert_eq!(again.len(), 16);
     for (k, [x, y, z, w]) in again.into_iter().enumerate() {
-        assert_eq!(numbers(&document["points"][1][k]), [x, y, z]);
-        assert!((w / weights[k] - 1.0).abs() < 1e-15);
+        // Directions are normalized when they are read.
+        for (got, expected) in [x, y, z].iter().zip(numbers(&document["points"][1][k])) {
+            assert!((got - expected).abs() < 1e-15, "{k}: {got}, {expected}");
+        }
+        assert!((w / weights[k] - 1.0).abs() < 1e-15, "{k}");
     }
 }
 
