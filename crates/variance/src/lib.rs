@@ -24,7 +24,8 @@
 //! corrected). The part of the integrand's energy beyond the largest degree of the spectrum is
 //! included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`] and [`rank`]
 //! compare patterns. [`FixedOrientation`] has the errors of patterns that are not rotated.
-//! [`integrate`] doubles the number of points until a tolerance is met.
+//! A [`WarpedPredictor`] predicts importance sampling: patterns of the square that are mapped to
+//! directions of known densities. [`integrate`] doubles the number of points until a tolerance is met.
 
 mod candidate;
 mod comparison;

@@ -19,3 +19,4 @@ mod theory_errata;
 mod theory_references;
 mod unbiasedness;
 mod variance;
+mod warped;

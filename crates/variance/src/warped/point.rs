@@ -57,3 +57,35 @@ fn sum(predictions: &[Prediction]) -> Prediction {
         dof: if spread > 0.0 { stderr.powi(4) / spread } else { f64::INFINITY },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::sum;
+    use crate::Prediction;
+
+    /// Equal independent errors add in squares and have twice the degrees of freedom; those of
+    /// energies and tails add. One prediction stays bit-identical.
+    #[test]
+    fn errors_of_sums_are_those_of_independent_spectra() {
+        let one = Prediction {
+            variance: 2.0,
+            stderr: 0.3,
+            energy_stderr: 0.0,
+            tail: 0.5,
+            tail_error: 0.1,
+            dof: 10.0,
+        };
+        let two = sum(&[one, one]);
+        assert!((two.stderr / (0.3 * 2f64.sqrt()) - 1.0).abs() < 1e-14, "{two:?}");
+        assert!((two.dof - 20.0).abs() < 1e-12 && (two.variance - 4.0).abs() < 1e-15, "{two:?}");
+        assert!((two.tail_error - 0.2).abs() < 1e-15 && (two.tail - 1.0).abs() < 1e-15, "{two:?}");
+        let energies = Prediction { stderr: 0.3, energy_stderr: 0.3, dof: f64::INFINITY, ..one };
+        let two = sum(&[energies, energies]);
+        assert!((two.stderr - 0.6).abs() < 1e-15 && two.dof.is_infinite(), "{two:?}");
+        let exact = Prediction { stderr: 0.0, ..energies };
+        assert!(sum(&[exact, one]).dof == 10.0 && sum(&[exact, exact]).dof.is_infinite());
+        let unknown = Prediction { stderr: f64::NAN, ..one };
+        assert!(sum(&[unknown, one]).stderr.is_nan());
+        assert_eq!(sum(&[one]), one);
+    }
+}
