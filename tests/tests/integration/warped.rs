@@ -21,9 +21,10 @@ const WARPS: [&str; 5] = [
     "2 * cosine + 3 * env:city.exr",
 ];
 const PATTERNS: [&str; 4] = ["white-square", "jittered-square", "fibonacci-lattice", "sobol"];
-/// A light probe, a function with an edge, and a smooth one.
+/// A light probe, a function with an edge, and a smooth one; 0 at the horizon, where the density of
+/// the cosine is, so that no variance is infinite.
 const INTEGRANDS: [&str; 3] =
-    ["env:city.exr * cosine", "cap:degrees=40 @ 30/20", "vmf:kappa=5 @ 50/0"];
+    ["env:city.exr * cosine", "cap:degrees=40 @ 30/20", "vmf:kappa=5 @ 50/0 * cosine"];
 const COUNTS: [usize; 2] = [64, 250];
 
 /// The light probe of the repository, whatever the name of the file.

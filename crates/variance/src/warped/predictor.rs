@@ -234,12 +234,11 @@ impl<'a> WarpedPredictor<'a> {
     /// Returns the strategy of which one point contributes most to an estimate, and its largest
     /// ratio.
     fn largest_contribution(&self, samplers: &[Box<dyn SquareSampler>]) -> (usize, LargestRatio) {
-        let of_one = |(i, ((function, _), sampler)): (usize, (&(&PulledBack<'_>, _), _))| {
-            let sampler: &Box<dyn SquareSampler> = sampler;
-            let largest = function.largest_ratio();
-            (i, largest, largest.ratio / sampler.n_points() as f64)
-        };
-        let all = self.strategies.iter().zip(samplers).enumerate().map(of_one);
+        let n_points = samplers.iter().map(|sampler| sampler.n_points() as f64);
+        let all = self.strategies.iter().zip(n_points).enumerate().map(|(i, (strategy, n))| {
+            let largest = strategy.0.largest_ratio();
+            (i, largest, largest.ratio / n)
+        });
         let first = (0, self.strategies[0].0.largest_ratio(), f64::NEG_INFINITY);
         let (i, largest, _) = all.fold(first, |max, next| if next.2 > max.2 { next } else { max });
         (i, largest)
