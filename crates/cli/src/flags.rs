@@ -78,6 +78,14 @@ impl SamplersArgs {
     /// The help of the arguments, to which a subcommand adds its default.
     pub(crate) const HELP: &str = "Samplers, separated by commas or blanks: name or name:key=value,key=value; file:PATH is your own points; all is every built-in sampler";
 
+    /// Returns the help of the arguments of a subcommand that also takes warped patterns.
+    pub(crate) fn help_with_warps() -> String {
+        format!(
+            "{}; name:warp=DENSITY maps a pattern of the unit square to directions of a density (list warps)",
+            Self::HELP
+        )
+    }
+
     /// Returns the list of samplers, if there is one.
     pub(crate) fn list(&self) -> Option<String> {
         let given: Vec<&str> = match &self.samplers {

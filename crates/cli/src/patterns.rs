@@ -31,7 +31,7 @@ const ALL: &str = "all";
 pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     type Space: Space;
 
-    /// What the error of a text with `warp=` says, where a pattern of this kind is required.
+    /// The message for a text with `warp=` where a pattern of this kind is required.
     const WARPS_REJECTED: &str;
 
     /// Returns every built-in pattern.

@@ -41,13 +41,15 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
   sphvar compare --hemisphere --integrand cosine -o cosine
   sphvar compare jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -o disk
+  sphvar compare fibonacci,sobol:warp=cosine --hemisphere -n 64,256 --integrand phong:n=5 -o density
 
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
 With env:FILE,channel=rgb or --project 2 (see variance) the table has rows for all channels or coefficients; rates, \
 crossovers and plots are those of luminance, or of the irradiance. With --square it compares patterns of the unit square, by \
-default on the indicator of a disk; spectra are radial means. Running the same command again replaces its own files; the results of another command are overwritten only \
+default on the indicator of a disk; spectra are radial means. Patterns with warp= (see variance), which sample a density, \
+have no angular spectrum; they are not in the plot of spectra. Running the same command again replaces its own files; the results of another command are overwritten only \
 with --force. Two runs cannot write to one folder at the same time.";
 
 /// The patterns that the thesis compares.
@@ -64,7 +66,10 @@ const SQUARE_INTEGRAND: &str = "disk:radius=0.3";
 #[derive(Debug, Args)]
 #[command(
     mut_arg("positional_samplers", |samplers| {
-        samplers.default_value(SAMPLERS).default_value_if("square", "true", SQUARE_SAMPLERS)
+        samplers
+            .help(SamplersArgs::help_with_warps())
+            .default_value(SAMPLERS)
+            .default_value_if("square", "true", SQUARE_SAMPLERS)
     }),
     mut_arg("counts", |counts| {
         counts.default_value(COUNTS).default_value_if("square", "true", SQUARE_COUNTS)

@@ -233,11 +233,11 @@ impl RowRecord {
                 Column::number("max f/p", |r: &Self| {
                     number::optional(r.largest_ratio, number::value)
                 }),
-                Column::number("trials near it", |r: &Self| {
-                    number::optional(r.largest_ratio_trials, |trials| trials.to_string())
-                }),
-                Column::number("expected", |r: &Self| {
-                    number::optional(r.largest_ratio_expected, number::count)
+                Column::number("trials near it (expected)", |r: &Self| {
+                    let both = r.largest_ratio_trials.zip(r.largest_ratio_expected);
+                    number::optional(both, |(trials, expected)| {
+                        format!("{trials} ({})", number::count(expected))
+                    })
                 }),
             ]);
         }

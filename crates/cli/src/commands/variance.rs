@@ -33,6 +33,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
   sphvar variance jittered -n 48 --integrand env:data/city.exr --project 2 -m 100
   sphvar variance jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 100
+  sphvar variance fibonacci,sobol:warp=cosine,r2:warp=phong:n=20 --hemisphere -n 256 --integrand phong:n=30 -m 100
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
@@ -51,11 +52,18 @@ its signed error and the distribution of errors over uniformly random orientatio
 error (its bias) and the distribution over realizations, whose variance may differ from that of rotated ones.
 
 --square has patterns of the unit square (sphvar list), shifted by a uniformly random vector modulo 1 in each realization: the \
-variance is then the sum over all frequencies k of the power of the pattern times that of the integrand, divided by N.";
+variance is then the sum over all frequencies k of the power of the pattern times that of the integrand, divided by N.
+
+warp= maps a pattern of the unit square to directions of a density p (sphvar list warps), for importance sampling: \
+sobol:warp=cosine, or sobol:warp=\"env:FILE * cosine\". Points have the weights 1/(N p), and the variance is predicted on the unit \
+square, from the integrand f divided by p. A sum of warps is multiple importance sampling: \
+sobol:warp=\"0.3 * cosine + 0.7 * env:FILE\",heuristic=balance|power, with the numbers as shares of N, has independent points \
+for each. max f/p is the largest known ratio; if few trials have a point near it, the measured variance is uncertain.";
 
 #[derive(Debug, Args)]
 #[command(
     mut_group("SamplersArgs", |samplers| samplers.required(true)),
+    mut_arg("positional_samplers", |samplers| samplers.help(SamplersArgs::help_with_warps())),
     mut_arg("integrand", |integrand| {
         integrand.required(true).help(integrand_help_with_square())
     })

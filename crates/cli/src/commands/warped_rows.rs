@@ -1,6 +1,6 @@
 //! Rows of warped patterns, for `variance` and `compare`.
 
-use sphvar_integrands::{Heuristic, PulledBack, Tolerance, WarpExpression};
+use sphvar_integrands::{Heuristic, PulledBack, WarpExpression};
 use sphvar_samplers::Share;
 use sphvar_variance::{PredictionBudget, WarpedPattern, WarpedPredictor};
 
@@ -55,7 +55,7 @@ impl<'a> WarpedIntegrals<'a> {
             let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
             let of_integral = |integral: &Integral<'a>| {
                 let function = &*integral.integrand.function;
-                let tolerance = Tolerance::default();
+                let tolerance = PulledBack::TOLERANCE;
                 PulledBack::of_strategies(function, plan.domain, &strategies, heuristic, tolerance)
                     .map(|functions| (function.exact(plan.domain), functions))
                     .map_err(|e| CliError::Failed(format!("{pattern}: {e}")))

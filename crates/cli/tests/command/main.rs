@@ -43,5 +43,6 @@ mod square_variances;
 mod targets;
 mod warped_renders;
 mod warped_samples;
+mod warped_variances;
 mod weights;
 mod workplace;

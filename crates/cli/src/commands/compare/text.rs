@@ -70,7 +70,7 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
     largest + &effect_of_density(samplers)
 }
 
-/// Returns what the best density gains over uniform patterns, if there are samplers of both kinds.
+/// Compares the best warped pattern with the best uniform one, if there are samplers of both kinds.
 fn effect_of_density(samplers: &[SamplerRecord]) -> String {
     let best = |is_warped: bool| {
         let own = samplers.iter().filter(|s| s.is_warped == is_warped && s.effective_power > 0.0);
