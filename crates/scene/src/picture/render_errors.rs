@@ -194,8 +194,9 @@ impl<'a> RenderErrors<'a> {
     }
 
     /// Returns the size of those directions that contribute to the k-th pixel, `<g^2>/<g>` for
-    /// estimates `(1/N) sum g`: from the reference for uniform directions, otherwise from the
-    /// renders; where these are 0, for the whole picture.
+    /// estimates `(1/N) sum g`: from the reference for uniform directions; otherwise from the
+    /// renders of this pixel, which may have missed rare directions, or of the whole picture,
+    /// whichever is larger.
     fn contribution(&self, moments: &[(f64, f64)]) -> impl Fn(usize) -> f64 {
         let of_renders = |k: usize| {
             let pixel = self.pixels[k];
@@ -214,7 +215,7 @@ impl<'a> RenderErrors<'a> {
                 return value + self.reference.spreads[pixel] / value;
             }
             let [square, mean] = of_renders(k);
-            if mean > 0.0 { square / mean } else { of_picture }
+            if mean > 0.0 { of_picture.max(square / mean) } else { of_picture }
         }
     }
 

@@ -264,6 +264,26 @@ fn pixels_that_no_render_resolves_are_not_biased() {
     }
 }
 
+/// A sun that most pixels miss in all renders is no bias either.
+#[test]
+fn a_sun_that_renders_miss_is_no_bias() {
+    // Two hundred times the rest of the sky in 1e-3 of the weight of the cosine.
+    let sun = DVec3::new(0.6, 0.0, 0.8);
+    let sky = |dir: DVec3| if dir.dot(sun) > 0.9994 { 200.0 } else { 1.0 };
+    let integral = Integral::Irradiance { radiance: &sky, albedo: 1.0 };
+    let spot = Spot::with(Vec::new());
+    let render = |plan: &WarpedPlan, number| {
+        spot.render(&integral, Estimator::Ratio, &plan.prepare(number).unwrap(), 16)
+    };
+    let plan = one("jittered-square", Density::cosine(), 40_000).into_reference();
+    let reference = render(&plan, 0);
+    let mut errors = RenderErrors::new(&reference);
+    let plan = one("jittered-square", Density::cosine(), 16);
+    (0..4).for_each(|number| errors.push(&render(&plan, number)).unwrap());
+    let bias = errors.report().bias.unwrap();
+    assert!(!bias.is_biased(), "{bias:?}");
+}
+
 /// The estimated variance of independent uniform directions, and that of the density, of an open
 /// fraction p of the sky: p (1 - p) and that of `[V pi/cos]`, weighted by the cosine.
 #[test]
