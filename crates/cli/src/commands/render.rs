@@ -2,6 +2,7 @@
 
 mod colours;
 mod exposure;
+mod numbers;
 mod plan;
 mod reference;
 mod reference_file;

@@ -10,6 +10,7 @@ use sphvar_scene::{
     Camera, CornellBox, CropWindow, Density, Integral, LightMap, Mesh, Quad, Scene, View,
 };
 
+use super::numbers::{Numbers, Size};
 use super::reference_file::fingerprint;
 use crate::counts::parse_number;
 use crate::error::CliError;
@@ -69,36 +70,6 @@ pub(crate) struct StageArgs {
     /// Corners of the lamp for --integral light, counterclockwise as seen from its lit side [default: that of the Cornell box]
     #[arg(long, value_name = "X,Y,Z,...", allow_hyphen_values = true)]
     lamp: Option<Numbers<12, f64>>,
-}
-
-/// Width and height.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Size([usize; 2]);
-
-impl std::str::FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (width, height) = text.split_once('x').unwrap_or((text, text));
-        let side = |text: &str| {
-            text.parse().map_err(|_| format!("expected W or WxH as in 640x480, got \"{text}\""))
-        };
-        Ok(Self([side(width)?, side(height)?]))
-    }
-}
-
-/// A comma-separated list of a fixed number of numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Numbers<const N: usize, T>([T; N]);
-
-impl<const N: usize, T: std::str::FromStr> std::str::FromStr for Numbers<N, T> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Result<Vec<T>, _> = text.split(',').map(|item| item.trim().parse()).collect();
-        let list = numbers.ok().and_then(|list| <[T; N]>::try_from(list).ok());
-        list.map(Self).ok_or_else(|| format!("expected {N} numbers with commas, got \"{text}\""))
-    }
 }
 
 /// The scene that the flags describe.
