@@ -12,14 +12,17 @@ use crate::report::{Provenance, full};
 /// A light.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct LightRow {
-    /// The unit vector towards the light.
+    /// The x component of the unit vector towards the light.
     x: f64,
+    /// The y component.
     y: f64,
+    /// The z component.
     z: f64,
-    /// The irradiance of a surface that faces the light: radiance times solid angle, in red, green
-    /// and blue.
+    /// The irradiance of a surface that faces the light, radiance times solid angle, in red.
     r: f64,
+    /// The irradiance in green.
     g: f64,
+    /// The irradiance in blue.
     b: f64,
 }
 

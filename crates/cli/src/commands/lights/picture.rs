@@ -81,7 +81,7 @@ pub(super) fn write(
         let difference = difference(lit);
         let factor = magnification(difference.as_flattened());
         let colours = sphere.pixels(&difference, &|x| srgb(0.5 + factor * x));
-        let caption = vec![format!("difference times {}", number::value(factor))];
+        let caption = vec![format!("difference times {factor}")];
         pairs.push([shown, SheetPanel { size, colours, caption }]);
     }
     let columns = pairs.len().min(MAX_COLUMNS);
