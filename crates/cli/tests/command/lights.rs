@@ -36,7 +36,10 @@ fn lights_are_written_in_every_form() {
     assert!(lines[0].starts_with("# sphvar lights sky.exr"), "{csv}");
     assert_eq!((lines[1], lines.len()), ("x,y,z,r,g,b", 14));
     let first: Vec<f64> = lines[2].split(',').map(|cell| cell.parse().unwrap()).collect();
-    assert!(["x", "y", "z", "r", "g", "b"].iter().zip(&first).all(|(key, x)| rows[0][key] == *x));
+    for (key, x) in ["x", "y", "z", "r", "g", "b"].iter().zip(&first) {
+        // The reader of JSON in tests rounds the last digit.
+        assert!((rows[0][key].as_f64().unwrap() - x).abs() <= 1e-15 * x.abs(), "{key}: {x}");
+    }
     place.run("lights sky.exr -n 12 -o lights.glsl --threads 3 --quiet").ok();
     let glsl = place.text("lights.glsl");
     assert!(glsl.contains("const vec3 LIGHT_DIRECTIONS[12] = vec3[12](\n"), "{glsl}");
@@ -84,7 +87,7 @@ fn importance_reduces_errors() {
 fn axes_of_maps_rotate_lights() {
     let place = Workplace::new();
     let light =
-        |i: usize, j: usize| if (i, j) == (0, 0) { [255, 200, 100, 140] } else { [1, 1, 1, 120] };
+        |i: usize, j: usize| if (i, j) == (0, 0) { [255, 200, 100, 140] } else { [2, 1, 1, 120] };
     place.write("sun.hdr", radiance(light));
     for (axes, key) in [("", "z"), (",up=y", "y"), (",up=-x", "x")] {
         let document = place.run(&format!("lights env:sun.hdr{axes} -n 1 --json")).json();

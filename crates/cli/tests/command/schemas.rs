@@ -159,6 +159,8 @@ fn documents_fit_their_schema() {
         ("healpix", "healpix pix2ang --degrees --nside 2 pixels.csv"),
         ("healpix", "healpix ring2nest --nside 2 pixels.csv"),
         ("integrate", "integrate --integrand cosine --rtol 1%"),
+        ("lights", "lights data/city.exr -n 8 -m 2"),
+        ("lights", "lights data/city.exr -n 4,8 --samplers median-cut"),
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("list", "list --square"),
