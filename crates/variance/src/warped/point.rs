@@ -82,7 +82,7 @@ mod tests {
         let energies = Prediction { stderr: 0.3, energy_stderr: 0.3, dof: f64::INFINITY, ..one };
         let two = sum(&[energies, energies]);
         assert!((two.stderr - 0.6).abs() < 1e-15 && two.dof.is_infinite(), "{two:?}");
-        let exact = Prediction { stderr: 0.0, ..energies };
+        let exact = Prediction { stderr: 0.0, energy_stderr: 0.0, ..energies };
         assert!((sum(&[exact, one]).dof - 10.0).abs() < 1e-12);
         assert!(sum(&[exact, exact]).dof.is_infinite());
         let unknown = Prediction { stderr: f64::NAN, ..one };
