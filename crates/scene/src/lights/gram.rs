@@ -1,6 +1,6 @@
 use super::dot;
 
-/// Inner products of the three channels of a function: row a, column b is <f_a, f_b>.
+/// Inner products of the three channels of a function: row a, column b is `<f_a, f_b>`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gram([[f64; 3]; 3]);
 

@@ -152,9 +152,9 @@ fn cells_share_the_luminance_and_have_all_light() {
         let ratio = 40.0 * luminance(light.irradiance) / luminance(exact);
         assert!((ratio - 1.0).abs() < 1e-12, "{ratio}");
     }
-    for c in 0..3 {
+    for (c, exact) in exact.iter().enumerate() {
         let sum: f64 = lights.iter().map(|light| light.irradiance[c]).sum();
-        assert!((sum / exact[c] - 1.0).abs() < 2e-3, "{sum} {}", exact[c]);
+        assert!((sum / exact - 1.0).abs() < 2e-3, "{sum} {exact}");
     }
 }
 
