@@ -5,6 +5,7 @@ mod accuracy;
 mod audits;
 mod catalogues;
 mod choices;
+mod choices_of_densities;
 mod comparison_files;
 mod determinism;
 mod errors_of_files;

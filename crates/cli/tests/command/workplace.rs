@@ -87,7 +87,12 @@ pub(crate) fn data(name: &str) -> String {
 
 /// Returns a minimal grey OpenEXR image whose texels increase in brightness.
 pub(crate) fn small_exr(width: u32, height: u32) -> Vec<u8> {
-    let texel = |x, y| image::Rgb([(1 + x + width * y) as f32; 3]);
+    grey_exr(width, height, |x, y| (1 + x + width * y) as f32)
+}
+
+/// Returns a grey OpenEXR image.
+pub(crate) fn grey_exr(width: u32, height: u32, texel: impl Fn(u32, u32) -> f32) -> Vec<u8> {
+    let texel = |x, y| image::Rgb([texel(x, y); 3]);
     let map = image::Rgb32FImage::from_fn(width, height, texel);
     let mut bytes = std::io::Cursor::new(Vec::new());
     map.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();

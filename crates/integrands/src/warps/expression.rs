@@ -52,6 +52,11 @@ impl WarpExpression {
         self.sum.summands.len()
     }
 
+    /// Returns all named warps.
+    pub fn terms(&self) -> impl Iterator<Item = &WarpTerm> {
+        self.sum.summands.iter().flat_map(|summand| &summand.factors).map(|factor| &factor.term)
+    }
+
     /// Returns the shares of the points, which sum to 1.
     #[must_use]
     pub fn shares(&self) -> Vec<f64> {

@@ -25,7 +25,7 @@ pub(super) const MAX_FACTOR: usize = 4;
 /// The seconds of a unit of nominal work, comparable with `--cost-per-sample`, by definition.
 const UNIT_COST: f64 = 60e-9;
 /// The nominal work per point above which a pattern is expensive.
-const EXPENSIVE: f64 = 30.0;
+pub(super) const EXPENSIVE: f64 = 30.0;
 
 impl<P: Choosable> TimedCandidate<P> {
     /// Returns the pattern unchanged. If `best`, the number of points of the best pattern, is given,

@@ -6,16 +6,22 @@ use crate::plots::{
     Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
 
+/// The number of best rows that are drawn.
+const MAX_SERIES: usize = 40;
+
 /// Returns the chart of the rows, best first; `white_variance` is the variance of white noise
 /// with one point.
 pub(super) fn chart(question: &Question, rows: &[Row], white_variance: f64) -> Chart {
+    // Densities that are the integrand have next to no error.
+    let unknown = rows.iter().filter(|row| row.known_to.is_none());
+    let rows: Vec<&Row> = unknown.take(MAX_SERIES).collect();
     let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
     let are_own: Vec<bool> = rows.iter().map(|row| row.is_file).collect();
     let n_own = are_own.iter().filter(|is_own| **is_own).count();
     // Rows are sorted, so that the position is the rank.
     let ranks: Vec<f64> = (0..rows.len()).map(|rank| rank as f64).collect();
-    for (ink, row) in inks(&ranks, &are_own).into_iter().zip(rows) {
+    for (ink, row) in inks(&ranks, &are_own).into_iter().zip(&rows) {
         let points = &row.points;
         let errors = points.iter().map(|p| (p.n_points, scale * p.variance.sqrt()));
         // The relative error of a square root is half that of its argument.

@@ -24,6 +24,16 @@ const KNOWN: f64 = 0.02;
 /// Generates the set of an index.
 pub(super) type MakeSet<'a> = Box<dyn FnMut(u64) -> Result<(), CliError> + 'a>;
 
+/// The density of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Density {
+    Uniform,
+    /// The cosine, or the cosine and uniform points.
+    Cosine,
+    /// Any other.
+    Importance,
+}
+
 /// What a prediction follows from.
 #[derive(Default)]
 pub(super) struct Details {
@@ -34,6 +44,11 @@ pub(super) struct Details {
     /// The effective number of weighted points.
     pub(super) n_effective: Option<f64>,
     pub(super) reason: Option<Reason>,
+    /// The variance with as many independent points of the same density.
+    pub(super) variance_of_density: Option<f64>,
+    /// The relative standard deviation of the ratio of integrand and density, if the density is the
+    /// integrand itself to about this.
+    pub(super) known_to: Option<f64>,
 }
 
 /// A pattern that can be ranked.
@@ -54,6 +69,11 @@ pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
 
     /// Returns whether it is the pattern of independent uniform points.
     fn is_white_noise(&self) -> bool;
+
+    /// Returns the density of the points.
+    fn density(&self) -> Density {
+        Density::Uniform
+    }
 
     /// Returns the nominal work of a set.
     fn nominal_work(&self, n_points: usize) -> f64;
@@ -107,7 +127,7 @@ impl Choosable for SquarePattern {
     }
 
     fn is_file(&self) -> bool {
-        PatternKind::is_file(self)
+        <Self as PatternKind>::is_file(self)
     }
 
     fn is_white_noise(&self) -> bool {
@@ -145,7 +165,7 @@ impl Choosable for Pattern {
     }
 
     fn is_file(&self) -> bool {
-        PatternKind::is_file(self)
+        <Self as PatternKind>::is_file(self)
     }
 
     fn is_white_noise(&self) -> bool {
@@ -211,6 +231,7 @@ fn details<P: PredictedPattern<Bands: ShownBands>>(
         n_effective: sampler
             .and_then(|sampler| n_effective::<P>(P::Space::sampler(&sampler), &point.spectrum)),
         reason: Reason::new(pattern.to_string(), point, predictor),
+        ..Details::default()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The samplers of one ranking while they are predicted, one after the other.
 
-use super::candidate::TimedCandidate;
-use super::choosable::Choosable;
+use super::candidate::{MAX_FACTOR, TimedCandidate};
+use super::choosable::{Choosable, Density};
 use super::question::Question;
 use super::record::LeftOut;
 use super::row::Row;
@@ -74,10 +74,26 @@ impl<'a> Contest<'a> {
                 Some(candidate)
             }
             Err(error) => {
-                self.left_out.push(LeftOut { sampler, label, reason: error.to_string() });
+                self.leave_out(sampler, label, error.to_string());
                 None
             }
         }
+    }
+
+    /// Returns the variance of the best uniform sampler over that of the best one, if it is above
+    /// [`MAX_FACTOR`] and samplers with a requested number of points are ranked by default: expensive
+    /// patterns are then not considered.
+    pub(super) fn lead_of_densities(&self) -> Option<f64> {
+        let is_open = !self.is_named && self.question.points().is_some();
+        let uniform = self.rows.iter().filter(|row| row.density == Density::Uniform);
+        let variances = uniform.filter_map(|row| row.variance).map(|variance| variance.0);
+        let ratio = variances.min_by(f64::total_cmp)? / self.min_variance;
+        (is_open && ratio > MAX_FACTOR as f64).then_some(ratio)
+    }
+
+    /// Leaves out a sampler for a reason.
+    pub(super) fn leave_out(&mut self, sampler: String, label: String, reason: String) {
+        self.left_out.push(LeftOut { sampler, label, reason });
     }
 
     /// Returns the answer of a pattern with its own parameters or, unless it is named, better ones.

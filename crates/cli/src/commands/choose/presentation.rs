@@ -1,6 +1,7 @@
 //! The answer as table, JSON, CSV and plot.
 
 use super::args::ChooseArgs;
+use super::benefit::benefit;
 use super::candidate::MAX_FACTOR;
 use super::chart::chart;
 use super::crossings;
@@ -11,6 +12,9 @@ use super::record::{CandidateRecord, ChoiceBody};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
+
+/// The maximum number of rows of a table.
+const MAX_ROWS: usize = 40;
 
 /// The complete answer.
 pub(super) struct Answer<'a> {
@@ -46,6 +50,7 @@ impl<'a> Answer<'a> {
             left_out: std::mem::take(&mut ranking.left_out),
             crossovers: crossings::between(&ranking.rows, seed),
             reason,
+            density_benefit: benefit(ranking),
             recommendation,
         };
         Ok(Self { rankings, body })
@@ -120,7 +125,12 @@ impl<'a> Answer<'a> {
         for crossing in body.crossovers.iter().filter(|c| c.matters()).take(8) {
             text += &crossing.crossover.line();
         }
-        text + &body.recommendation + "\n"
+        text += &body.recommendation;
+        text += "\n";
+        if let Some(benefit) = &body.density_benefit {
+            text += &format!("{}\n", benefit.sentence);
+        }
+        text
     }
 }
 
@@ -145,9 +155,14 @@ fn table(question: &Question, rows: &[CandidateRecord]) -> String {
             format!("Standard errors with about {n} points: {}\n\n", question.integrand)
         }
     };
-    let reached: Vec<&CandidateRecord> = rows.iter().filter(|row| row.n.is_some()).collect();
+    let mut reached: Vec<&CandidateRecord> = rows.iter().filter(|row| row.n.is_some()).collect();
     if !reached.is_empty() {
+        let n_more = reached.len().saturating_sub(MAX_ROWS);
+        reached.truncate(MAX_ROWS);
         text += &table_of(&CandidateRecord::columns(question, &reached), reached);
+        if n_more > 0 {
+            text += &format!("({n_more} more: --json or -o FILE.csv)\n");
+        }
         text += "\n";
     }
     text

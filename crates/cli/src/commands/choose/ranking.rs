@@ -1,21 +1,24 @@
 //! The samplers for one integral, best first.
 
-use sphvar_integrands::Integrand;
+use sphvar_integrands::{Expression, Integrand, WarpExpression};
 use sphvar_samplers::{Pattern, SquarePattern};
-use sphvar_variance::{PredictionBudget, Predictor, SquarePredictor, predict, settled_degree_of};
+use sphvar_variance::{
+    PredictionBudget, Predictor, SquarePredictor, WarpedPattern, predict, settled_degree_of,
+};
 
 use super::args::ChooseArgs;
-use super::candidate::TimedCandidate;
+use super::candidate::{EXPENSIVE, TimedCandidate};
 use super::choosable::{patterns, share, square_patterns, square_share};
 use super::contest::Contest;
 use super::question::Question;
 use super::record::{CoefficientRecord, LeftOut};
 use super::row::{Row, rank};
+use super::warped::WarpedIntegral;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{Integral, NamedSquareIntegrand, check_domain};
 use crate::memory::check_memory;
-use crate::patterns::parse_patterns;
+use crate::patterns::{DirectionSampler, parse_patterns, parse_samplers};
 use crate::progress::Progress;
 use crate::report::number;
 
@@ -48,18 +51,20 @@ struct Coefficient<'a> {
 }
 
 impl<'a> Ranking<'a> {
-    /// Returns the candidates for an integral over the sphere or the hemisphere.
+    /// Returns the candidates for an integral over the sphere or the hemisphere: those that the user
+    /// names, or all patterns and the densities proposed for an integrand.
     pub(super) fn on_sphere(
         args: &ChooseArgs,
         global: &Global,
         integral: &'a Integral<'_>,
         coefficients: &'a [Integral<'_>],
+        proposed: Option<&Expression>,
         announce: &'a dyn Fn(usize),
     ) -> Result<Self, CliError> {
         let (integrand, domain) = (integral.integrand, args.domain.domain());
         check_domain(integrand, domain)?;
         let named = args.samplers.list();
-        let named = named.map(|list| parse_patterns(&list, global.quiet)).transpose()?;
+        let named = named.map(|list| parse_samplers(&list, global.quiet)).transpose()?;
         let of = |function: &'a dyn Integrand| {
             Predictor::new(function, domain, global.seed, PredictionBudget::DEFAULT)
                 .map_err(CliError::usage)
@@ -79,22 +84,60 @@ impl<'a> Ranking<'a> {
             coefficients.iter().map(coefficient).collect::<Result<Vec<_>, CliError>>()?;
 
         let is_named = named.is_some();
+        let (uniform, warped) = match named {
+            Some(named) => split(named),
+            None => (patterns(), Vec::new()),
+        };
+        if let (Some(warped), true) = (warped.first(), integral.is_irradiance()) {
+            return Err(CliError::Usage(format!(
+                "--project does not apply to {warped}; name a coefficient as \"f * ylm:l=2,m=1\""
+            )));
+        }
         let typical = typical_points(args)?;
-        let (patterns, shares) = in_order(
-            named.unwrap_or_else(patterns),
-            |p| p.nominal_work(typical),
-            |p| share(p, typical, domain),
-        );
-        let progress = Progress::new(shares.iter().sum(), global.quiet);
+        let (uniform, shares) =
+            in_order(uniform, |p| p.nominal_work(typical), |p| share(p, typical, domain));
+        let proposed = proposed.filter(|_| !is_named && !integral.is_irradiance());
+        let n_densities =
+            proposed.map_or(warped.len(), |p| WarpExpression::proposed(p, domain).len());
+        let progress = Progress::new(shares.iter().sum::<f64>() + n_densities as f64, global.quiet);
         let mut contest = Contest::new(question, global.seed, is_named, &progress);
-        let white = |predictor: &Predictor<'_>, n: usize| predictor.white_variance(n);
-        for (pattern, share) in patterns.into_iter().zip(shares) {
-            if let Some(candidate) = contest.add(pattern, &mut predictor, white)
-                && let Some(row) = contest.rows.last_mut()
-            {
-                row.record.coefficients = coefficients_of(&candidate, &mut coefficients)?;
+        // Patterns that are expensive to generate come after the densities, with which they must
+        // compete.
+        let is_expensive = |p: &Pattern| p.nominal_work(typical) >= EXPENSIVE * typical as f64;
+        let n_inexpensive = uniform.iter().take_while(|p| !is_expensive(p)).count();
+        let mut all = uniform.into_iter().zip(shares);
+        let mut add = |contest: &mut Contest<'_>, predictor: &mut Predictor<'a>, count: usize| {
+            for (pattern, share) in all.by_ref().take(count) {
+                let white = |predictor: &Predictor<'_>, n: usize| predictor.white_variance(n);
+                if let Some(candidate) = contest.add(pattern, predictor, white)
+                    && let Some(row) = contest.rows.last_mut()
+                {
+                    row.record.coefficients = coefficients_of(&candidate, &mut coefficients)?;
+                }
+                progress.advance(share);
             }
-            progress.advance(share);
+            Ok::<_, CliError>(())
+        };
+        add(&mut contest, &mut predictor, n_inexpensive)?;
+        let (function, seed, quiet) = (&*integrand.function, global.seed, global.quiet);
+        let of_warps = WarpedIntegral { function, domain, seed, quiet };
+        let white = |n: usize| predictor.white_variance(n);
+        of_warps.add_named(&mut contest, warped, &progress, &white)?;
+        if let Some(proposed) = proposed {
+            of_warps.add_proposed(&mut contest, proposed, &progress, &white)?;
+        }
+        match contest.lead_of_densities() {
+            Some(ratio) => {
+                for (pattern, _) in all {
+                    let reason = format!(
+                        "importance sampling has {} times less variance than the inexpensive patterns; name the \
+                         sampler to include it",
+                        number::ratio(ratio)
+                    );
+                    contest.leave_out(pattern.to_string(), pattern.label(), reason);
+                }
+            }
+            None => add(&mut contest, &mut predictor, usize::MAX)?,
         }
         let Contest { question, rows, left_out, .. } = contest;
         Self {
@@ -179,6 +222,18 @@ impl<'a> Ranking<'a> {
             String::new()
         })
     }
+}
+
+/// Returns the patterns of the sphere and the warped ones.
+fn split(samplers: Vec<DirectionSampler>) -> (Vec<Pattern>, Vec<WarpedPattern>) {
+    let (mut uniform, mut warped) = (Vec::new(), Vec::new());
+    for sampler in samplers {
+        match sampler {
+            DirectionSampler::Uniform(pattern) => uniform.push(pattern),
+            DirectionSampler::Warped(pattern) => warped.push(pattern),
+        }
+    }
+    (uniform, warped)
 }
 
 /// Returns the number of points at which patterns are ordered by cost, if memory suffices for it.

@@ -16,6 +16,13 @@ pub(super) fn recommendation(
             "All samplers are exact: the integrand is constant, so its integral has no variance.";
         return Ok((None, text.to_owned()));
     }
+    let known = known_integral(&ranking.rows);
+    let (reason, text) = of_others(ranking)?;
+    Ok((reason, text + &known))
+}
+
+/// Returns the recommendation of a sampler whose density is not the integrand itself.
+fn of_others(ranking: &mut Ranking<'_>) -> Result<(Option<Reason>, String), CliError> {
     let best = recommended(&ranking.rows, &ranking.question);
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.record.n)) else {
         let (mut text, mut max_considered) = ("No sampler achieves this error".to_owned(), 1);
@@ -45,10 +52,20 @@ pub(super) fn recommendation(
             "the least expensive sampler among those within 10 % of the least variance"
         }
     };
-    let why = match &reason {
+    let of_density = best.white_variance.zip(best.variance_of_density);
+    let why = match (&reason, of_density) {
         _ if best.is_exact() => ": it integrates this function exactly".to_owned(),
-        Some(reason) => format!(": {}", reason.sentence(&best.name)),
-        None => String::new(),
+        (Some(reason), _) => format!(": {}", reason.sentence(&best.name)),
+        (None, Some((white, of_density))) => {
+            let of_pattern = of_density / best.variance.map_or(f64::NAN, |v| v.0);
+            format!(
+                ": independent points of its density have {} times less variance than uniform ones, and the pattern \
+                 has {} times less than these",
+                number::ratio(white / of_density),
+                number::ratio(of_pattern)
+            )
+        }
+        (None, None) => String::new(),
     };
     let label = &best.record.label;
     let text = format!("Recommended: {label} with N = {n} ({choice}{extrapolated}){why}.");
@@ -78,4 +95,23 @@ fn no_recommendation(best: &Row, n: usize, ranking: &Ranking<'_>) -> Option<Stri
         ));
     }
     None
+}
+
+/// Returns a remark on a density that is the integrand itself.
+fn known_integral(rows: &[Row]) -> String {
+    let Some((row, deviation)) = rows.iter().find_map(|row| row.known_to.map(|to| (row, to)))
+    else {
+        return String::new();
+    };
+    let how = if deviation > 1e-8 {
+        format!(" to {}", number::percent(deviation))
+    } else {
+        String::new()
+    };
+    let warp = row.record.label.split_once("warp=").map_or(&*row.record.label, |(_, warp)| warp);
+    format!(
+        " The density {warp} is the integrand itself{how}: its normalization is the integral, which needs no \
+         samples, so it is not recommended; it is of use for products of this integrand with unknown factors, such as \
+         visibility."
+    )
 }

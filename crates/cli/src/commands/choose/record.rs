@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_variance::{PredictedVariance, RequiredPoints};
 
+use super::benefit::DensityBenefit;
 use super::candidate::TimedCandidate;
 use super::choosable::{Choosable, Details};
 use super::crossings::CrossingRecord;
@@ -35,8 +36,9 @@ pub(super) struct CandidateRecord {
     pub(super) label: String,
     /// The number of points needed, or the largest valid count within the sample budget.
     pub(super) n: Option<usize>,
-    /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of
-    /// the best.
+    /// `predicted`, `extrapolated`, `out of reach`, `behind`: more than 4 times the points of the
+    /// best, or `known integral`: the density is the integrand itself to 1 %, so the integral is
+    /// known from its normalization.
     pub(super) basis: &'static str,
     /// The largest number of points tried that does not suffice.
     pub(super) too_few: Option<usize>,
@@ -64,7 +66,8 @@ pub(super) struct CandidateRecord {
     /// The time to make a set and to evaluate the integrand at all points, in seconds, with
     /// `--cost-per-sample`.
     pub(super) seconds_in_all: Option<f64>,
-    /// The largest degree of the spectrum at `n`.
+    /// The largest degree of the spectrum at `n`; of the square, also for a warped pattern, the
+    /// largest frequency.
     pub(super) lmax: Option<usize>,
     /// Realizations from which the spectrum at `n` was estimated; 0 for a closed form.
     pub(super) realizations: Option<u64>,
@@ -139,8 +142,11 @@ pub(crate) struct ChoiceBody {
     pub(super) left_out: Vec<LeftOut>,
     /// Crossings of the predicted variance curves of the best samplers.
     pub(super) crossovers: Vec<CrossingRecord>,
-    /// The reason why the recommended sampler suits the integrand.
+    /// The reason why the recommended sampler suits the integrand; null for a warped one.
     pub(super) reason: Option<Reason>,
+    /// What densities that resemble the integrand buy, where they were ranked beside uniform
+    /// directions.
+    pub(super) density_benefit: Option<DensityBenefit>,
     /// The recommendation with its reason, in a sentence.
     pub(super) recommendation: String,
 }

@@ -3,7 +3,7 @@
 use sphvar_variance::{VariancePoint, interpolate_variance};
 
 use super::candidate::TimedCandidate;
-use super::choosable::{Choosable, Details};
+use super::choosable::{Choosable, Density, Details};
 use super::question::Question;
 use super::reason::Reason;
 use super::record::CandidateRecord;
@@ -26,7 +26,15 @@ pub(super) struct Row {
     /// The name in the reason.
     pub(super) name: String,
     pub(super) reason: Option<Reason>,
+    pub(super) density: Density,
+    /// The variance with as many independent points of the same density, if that is not uniform.
+    pub(super) variance_of_density: Option<f64>,
+    /// See [`Details::known_to`].
+    pub(super) known_to: Option<f64>,
 }
+
+/// The basis of rows whose density is the integrand.
+const KNOWN_INTEGRAL: &str = "known integral";
 
 impl Row {
     /// Returns the row of a candidate; `white` is the variance of white noise with a number of points.
@@ -44,9 +52,14 @@ impl Row {
         let point = at.or(answer.curve.points().last());
         let mut details = point.map(|point| pattern.details(point, predictor)).unwrap_or_default();
         let reason = details.reason.take();
+        let known_to = details.known_to;
         let details = if at.is_some() { details } else { Details::default() };
+        let mut record = CandidateRecord::new(candidate, &details, question, predictor, white);
+        if known_to.is_some() {
+            record.basis = KNOWN_INTEGRAL;
+        }
         Self {
-            record: CandidateRecord::new(candidate, &details, question, predictor, white),
+            record,
             merit: candidate.merit(question),
             variance: answer.variance,
             white_variance: answer.n_points.map(white),
@@ -56,6 +69,9 @@ impl Row {
             is_white_noise: pattern.is_white_noise(),
             name: pattern.name(),
             reason,
+            density: pattern.density(),
+            variance_of_density: details.variance_of_density,
+            known_to,
         }
     }
 
@@ -84,16 +100,17 @@ pub(super) fn rank(rows: &mut [Row]) {
 
 /// Returns the recommended row: the first, or one that is less expensive to generate and at most
 /// 10 % worse. If rows are ranked by total time, it is the first, because that time includes the
-/// generation. An extrapolated row is recommended only if none was predicted.
+/// generation. An extrapolated row is recommended only if none was predicted, and one whose density
+/// is the integrand never: it needs the integral.
 pub(super) fn recommended<'a>(ranked: &'a [Row], question: &Question) -> Option<&'a Row> {
     let sure = |row: &&Row| row.record.basis == "predicted";
-    let any = ranked.iter().find(|row| row.variance.is_some())?;
-    let first = ranked.iter().filter(|row| row.variance.is_some()).find(sure).unwrap_or(any);
+    let ranked = || ranked.iter().filter(|row| row.known_to.is_none());
+    let any = ranked().find(|row| row.variance.is_some())?;
+    let first = ranked().filter(|row| row.variance.is_some()).find(sure).unwrap_or(any);
     if question.cost_per_sample.is_some() {
         return Some(first);
     }
     let limit = 1.1 * first.merit;
-    let near =
-        ranked.iter().filter(|row| row.record.basis == first.record.basis && row.merit <= limit);
+    let near = ranked().filter(|row| row.record.basis == first.record.basis && row.merit <= limit);
     near.min_by(|a, b| a.work.total_cmp(&b.work))
 }
