@@ -277,7 +277,8 @@ fn unreachable_errors_are_compared_with_white_noise() {
     for part in ["No sampler achieves this error", "white noise needs 1.31e12 points"] {
         assert!(text.contains(part), "{text}\nlacks {part}");
     }
-    assert!(text.lines().count() < 8, "{text}");
+    // With the density of the cap itself in the table.
+    assert!(text.contains("known integral") && text.lines().count() < 16, "{text}");
 }
 
 /// The integrand is concentrated on a cap of half a degree, which 48 points cannot resolve.

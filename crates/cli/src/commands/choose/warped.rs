@@ -103,7 +103,8 @@ impl<'a> WarpedIntegral<'a> {
             progress.advance(1.0);
         }
         pulled_back.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, pulled) in pulled_back.iter().take(BEST_DENSITIES) {
+        let within_reach = pulled_back.iter().filter(|(merit, _)| merit.is_finite());
+        for (_, pulled) in within_reach.take(BEST_DENSITIES) {
             let patterns = square_patterns().into_iter().map(|p| pulled.pattern(p)).collect();
             pulled.add(self, contest, patterns, white)?;
         }
