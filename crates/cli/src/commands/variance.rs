@@ -33,7 +33,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
   sphvar variance jittered -n 48 --integrand env:data/city.exr --project 2 -m 100
   sphvar variance jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 100
-  sphvar variance fibonacci,sobol:warp=cosine,r2:warp=phong:n=20 --hemisphere -n 256 --integrand phong:n=30 -m 100
+  sphvar variance fibonacci,sobol:warp=cosine --hemisphere -n 64 --integrand phong:n=5 -m 100
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
