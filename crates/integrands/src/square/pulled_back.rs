@@ -61,10 +61,7 @@ pub struct PulledBack<'a> {
 #[derive(Clone)]
 enum Estimate {
     /// A constant, with the variance of rounding.
-    Constant {
-        mean: f64,
-        variance: f64,
-    },
+    Constant { mean: f64, variance: f64 },
     /// Of a polynomial that equals the function to rounding.
     Resolved(Box<SquareEstimate>),
     Cells(Box<CellSpectrum>),
@@ -312,8 +309,8 @@ impl SquareIntegrand for PulledBack<'_> {
                     let centred = ByAxis { off, ..ByAxis::default() };
                     Ok(Energy::new(frequencies.clone(), per_band, centred))
                 };
-                // Nothing is known of rounding but its size.
-                Ok(energy(*variance)?.with_estimates(&[energy(0.0)?]))
+                // A constant has no variance; that of rounding is its error.
+                Ok(energy(0.0)?.with_estimates(&[energy(*variance)?]))
             }
             Estimate::Resolved(estimate) => estimate.energy(frequencies),
             Estimate::Cells(spectrum) => spectrum.energy(frequencies),
