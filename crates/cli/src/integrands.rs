@@ -34,7 +34,7 @@ use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;
 use crate::report::number::value;
-use crate::report::say;
+use crate::report::{remark, say};
 
 /// The names and their parameters, for help texts.
 pub(crate) const FORMS: Forms = Forms;
@@ -110,7 +110,7 @@ pub(crate) fn parse_integrand(
     rgb::reject(&expression)?;
     let files = IntegrandFiles::default();
     let integrand = files.build(&expression, text.to_owned())?;
-    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
+    files.remarks.take().iter().for_each(|text| remark(quiet, text));
     Ok(integrand)
 }
 
@@ -218,7 +218,8 @@ impl IntegrandResolver for IntegrandFiles {
             return Ok(density.clone());
         }
         let map = self.environment(wanted)?;
-        let density = wanted.density(map, interpolation, |text| self.remark(text))?;
+        // The remark on the file includes densities.
+        let density = wanted.density(map, interpolation, drop)?;
         self.densities.borrow_mut().push((wanted.clone(), interpolation, density.clone()));
         Ok(density)
     }

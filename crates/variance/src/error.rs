@@ -1,3 +1,5 @@
+use crate::WarpedText;
+
 /// The reason why a variance cannot be predicted or measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -43,6 +45,12 @@ pub enum Error {
     Heuristic {
         /// The text of the pattern.
         text: String,
+    },
+    /// Parameters of a warp among those of the pattern.
+    #[error("the parameters of a warp belong inside its quotes: {quoted}")]
+    Unquoted {
+        /// The text with the quotes.
+        quoted: WarpedText,
     },
     /// A number of points that the warps of a pattern cannot share.
     #[error(

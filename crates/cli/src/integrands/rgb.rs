@@ -4,7 +4,7 @@ use sphvar_integrands::{Expression, Term};
 
 use super::{IntegrandFiles, NamedIntegrand, parse_expression};
 use crate::error::CliError;
-use crate::report::say;
+use crate::report::{remark, remark_on_channels};
 
 /// The value of `channel` for all channels of the next list.
 const RGB: &str = "rgb";
@@ -23,17 +23,19 @@ pub(crate) fn parse_integrands(
     let files = IntegrandFiles::default();
     if !expression.terms().any(is_rgb) {
         let integrand = files.build(&expression, text.to_owned())?;
-        files.remarks.take().iter().for_each(|remark| say(quiet, remark));
+        files.remarks.take().iter().for_each(|text| remark(quiet, text));
         return Ok(vec![integrand]);
     }
-    let of_channel = |channel: &str| {
+    let of_channel = |channel: &'static str| {
         let mut expression = expression.clone();
         set_channel(&mut expression, channel);
         let integrand = files.build(&expression, expression.to_string())?;
-        files.remarks.take().iter().for_each(|r| say(quiet, &format!("{channel} of {r}")));
-        Ok(integrand)
+        Ok((integrand, (channel, files.remarks.take())))
     };
-    CHANNELS.into_iter().map(of_channel).collect()
+    let read = CHANNELS.into_iter().map(of_channel).collect::<Result<Vec<_>, CliError>>()?;
+    let (integrands, remarks): (Vec<_>, Vec<_>) = read.into_iter().unzip();
+    remark_on_channels(quiet, &remarks);
+    Ok(integrands)
 }
 
 /// Rejects several channels where a command takes one integrand.

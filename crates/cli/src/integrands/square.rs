@@ -10,7 +10,7 @@ use sphvar_integrands::{
 use super::IntegrandFiles;
 use crate::error::CliError;
 use crate::files::{ChannelChoice, decode_picture, input_name};
-use crate::report::say;
+use crate::report::remark;
 
 /// An integrand on the square with its name in tables.
 pub(crate) struct NamedSquareIntegrand {
@@ -49,7 +49,7 @@ pub(crate) fn parse_square_integrand(
         Error::File(source) => CliError::of_resolver(&source),
         other => CliError::usage(other),
     })?;
-    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
+    files.remarks.take().iter().for_each(|text| remark(quiet, text));
     Ok(NamedSquareIntegrand { name: text.to_owned(), function })
 }
 

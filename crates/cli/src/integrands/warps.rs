@@ -5,7 +5,7 @@ use sphvar_samplers::Domain;
 
 use super::IntegrandFiles;
 use crate::error::CliError;
-use crate::report::say;
+use crate::report::remark;
 
 /// Returns the densities of warps over a domain. Reads every picture once and prints remarks on the
 /// files, unless `quiet`.
@@ -22,8 +22,6 @@ pub(crate) fn strategies_of(
         })
     };
     let all = warps.iter().map(strategies).collect();
-    let mut remarks = files.remarks.take();
-    remarks.dedup();
-    remarks.iter().for_each(|remark| say(quiet, &format!("warp: {remark}")));
+    files.remarks.take().iter().for_each(|text| remark(quiet, text));
     all
 }

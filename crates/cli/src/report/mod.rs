@@ -1,7 +1,9 @@
 //! The output of results: tables, CSV and JSON, each with its provenance.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
 
@@ -32,6 +34,29 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
 pub(crate) fn say(quiet: bool, text: &str) {
     if !quiet {
         message::write(text);
+    }
+}
+
+/// Prints a remark on an input, unless `quiet`: each text once, also where a run reads a file again.
+pub(crate) fn remark(quiet: bool, text: &str) {
+    static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let is_new = |printed: &mut BTreeSet<String>| printed.insert(text.to_owned());
+    if !quiet && is_new(&mut PRINTED.lock().unwrap_or_else(PoisonError::into_inner)) {
+        message::write(text);
+    }
+}
+
+/// Prints the remarks on channels of a picture, unless `quiet`; one that all channels share does not
+/// name them.
+pub(crate) fn remark_on_channels(quiet: bool, of_channels: &[(&str, Vec<String>)]) {
+    for (channel, remarks) in of_channels {
+        for text in remarks {
+            if of_channels.iter().all(|(_, others)| others.contains(text)) {
+                remark(quiet, text);
+            } else {
+                remark(quiet, &format!("{channel} of {text}"));
+            }
+        }
     }
 }
 

@@ -178,3 +178,46 @@ fn other_commands_name_the_option_for_the_square() {
         place.run(command).fails(2, &["sobol:warp=cosine", "--square", "warp="]);
     }
 }
+
+/// A remark on a file is one line of the command, however often the map is read and for whatever.
+#[test]
+fn remarks_on_maps_are_printed_once() {
+    let place = Workplace::new();
+    let texel = |x, y| if (x, y) == (3, 2) { -3.0 } else { 1.0 };
+    place.write("sky.exr", crate::workplace::grey_exr(8, 4, texel));
+    let warps = "sobol:warp=env:sky.exr,r2:warp=\"env:sky.exr,interpolation=constant\"";
+    let map = "--integrand env:sky.exr";
+    for arguments in [
+        format!("variance jittered,{warps} -n 4 -m 4 {map}"),
+        format!("variance {warps} -n 4 -m 4 {map},channel=rgb"),
+        format!("compare {warps} -n 4 -m 4 {map}"),
+        format!("choose -n 4 --samplers white-noise,{warps} {map}"),
+        "sample sobol:warp=env:sky.exr -n 4".to_owned(),
+        format!("lights sky.exr -n 4 -m 2 --samplers {warps},median-cut"),
+        "render cornell -n 4 --size 8 --integral irradiance:env=sky.exr --sampler sobol:warp=env:sky.exr -o a.exr".to_owned(),
+    ] {
+        let message = place.run(&arguments).ok().stderr;
+        assert_eq!(message.matches("texels are negative").count(), 1, "{arguments}: {message}");
+        assert!(message.contains("densities their magnitudes"), "{arguments}: {message}");
+    }
+}
+
+/// Parameters of a warp belong to its text, which commas end.
+#[test]
+fn parameters_of_warps_without_quotes_are_explained() {
+    let place = Workplace::new();
+    place.write("sky.exr", small_exr(8, 4));
+    for command in [
+        "variance {} -n 4 --integrand env:sky.exr",
+        "sample {} -n 4",
+        "render cornell -n 4 --sampler {} --integral irradiance:env=sky.exr",
+        "choose --samplers {} -n 4 --integrand env:sky.exr",
+        "lights sky.exr --samplers {}",
+    ] {
+        let arguments = command.replace("{}", "sobol:warp=env:sky.exr,floor=0.1");
+        place.run(&arguments).fails(2, &[r#"sobol:warp="env:sky.exr,floor=0.1""#]);
+    }
+    place
+        .run("variance sobol:warp=cosine,exponent=2 -n 4 --integrand cosine")
+        .fails(2, &["exponent", "unknown parameter"]);
+}

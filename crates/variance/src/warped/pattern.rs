@@ -58,7 +58,7 @@ impl WarpedPattern {
     ///
     /// Returns [`Error::Spectrum`] with the error of [`SquarePattern::parse`], [`Error::Integrand`]
     /// with that of the warp or heuristic, for a text without `warp`, and for a heuristic of a
-    /// single warp.
+    /// single warp, and [`Error::Unquoted`] for parameters of the warp outside its quotes.
     pub fn parse(text: &str, files: &dyn FileResolver) -> Result<Self, Error> {
         Self::read(text, &|pattern| SquarePattern::parse(pattern, files))
     }
@@ -72,7 +72,9 @@ impl WarpedPattern {
         if parts.heuristic.is_some() && warp.n_strategies() == 1 {
             return Err(Error::Heuristic { text: text.to_owned() });
         }
-        let pattern = pattern(&parts.pattern)?;
+        let pattern = pattern(&parts.pattern).map_err(|error| {
+            parts.quoted(text).map_or(Error::from(error), |quoted| Error::Unquoted { quoted })
+        })?;
         let heuristic = parts.heuristic.unwrap_or_default();
         Ok(Self { pattern, warp, heuristic })
     }

@@ -1,8 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use sphvar_integrands::Heuristic;
 use sphvar_integrands::grammar::{self, Spec, quote, split_outside};
+use sphvar_integrands::{Heuristic, WarpExpression};
 
 use crate::Error;
 
@@ -39,6 +39,23 @@ impl WarpedText {
     #[must_use]
     pub fn is_warped(text: &str) -> bool {
         items(text).1.iter().any(|item| key(item) == Some(WARP))
+    }
+}
+
+impl WarpedText {
+    /// Returns the parts if the items of `text` after `warp` were within its quotes, where they make
+    /// a warp: for messages on unknown parameters.
+    #[must_use]
+    pub fn quoted(&self, text: &str) -> Option<Self> {
+        let (name, items) = items(text);
+        let at = items.iter().position(|item| key(item) == Some(WARP))?;
+        let is_of_warp = |item: &&&str| key(item) != Some(HEURISTIC);
+        let after: Vec<&str> = items[at + 1..].iter().filter(is_of_warp).copied().collect();
+        let warp = format!("{},{}", self.warp, after.join(","));
+        let is_warp = !after.is_empty() && warp.parse::<WarpExpression>().is_ok();
+        let separator = if at == 0 { "" } else { ":" };
+        let pattern = format!("{name}{separator}{}", items[..at].join(","));
+        is_warp.then(|| Self { pattern, warp, heuristic: self.heuristic })
     }
 }
 

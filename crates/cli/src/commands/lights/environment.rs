@@ -8,7 +8,7 @@ use sphvar_scene::RgbEnvironment;
 
 use crate::error::CliError;
 use crate::integrands::environment::{Environment, bytes_of, to_map};
-use crate::report::say;
+use crate::report::remark_on_channels;
 
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["r", "g", "b"];
@@ -35,14 +35,16 @@ impl LightProbe {
             )));
         }
         let bytes = bytes_of(&file)?;
-        let read = |channel: &str| -> Result<EnvironmentMap, CliError> {
+        let mut remarks = Vec::new();
+        let read = |channel: &'static str| -> Result<EnvironmentMap, CliError> {
             let picture =
                 PictureParameters { channel: Some(channel.to_owned()), ..picture.clone() };
             let read = Environment::decode(&file, &bytes, &picture)?;
-            read.remarks.iter().for_each(|remark| say(quiet, &format!("{channel} of {remark}")));
+            remarks.push((channel, read.remarks));
             Ok(read.map)
         };
         let [r, g, b] = CHANNELS.map(read);
+        remark_on_channels(quiet, &remarks);
         let pole = picture.up.map_or(DVec3::Z, UpAxis::direction);
         let environment = RgbEnvironment::new([r?, g?, b?], to_map(pole).inverse())
             .map_err(|error| CliError::Failed(format!("{}: {error}", file.display())))?;

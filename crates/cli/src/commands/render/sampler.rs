@@ -8,7 +8,7 @@ use sphvar_grammar::split_outside;
 use sphvar_integrands::{Domain, Heuristic, WarpExpression, WarpFactor, WarpTerm};
 use sphvar_samplers::{Pattern, SquarePattern};
 use sphvar_scene::{Density, DirectionMode, LightMap};
-use sphvar_variance::WarpedText;
+use sphvar_variance::{Error, WarpedText};
 
 use super::stage::Stage;
 use crate::error::CliError;
@@ -110,7 +110,10 @@ impl WarpedSampler {
     fn parse(text: &str, quiet: bool) -> Result<Self, CliError> {
         let parts: WarpedText = text.parse().map_err(CliError::usage)?;
         check_square_pattern(&parts.pattern)?;
-        let pattern: SquarePattern = parse_pattern(&parts.pattern, quiet)?;
+        let pattern: SquarePattern = parse_pattern(&parts.pattern, quiet).map_err(|error| {
+            let unquoted = |quoted| CliError::usage(Error::Unquoted { quoted });
+            parts.quoted(text).map_or(error, unquoted)
+        })?;
         let densities = densities(&parts.warp)?;
         if parts.heuristic.is_some() && densities.len() == 1 {
             return Err(CliError::Usage(format!(

@@ -16,7 +16,7 @@ use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
 use crate::integrands::environment::{Environment, bytes_of, to_map};
-use crate::report::say;
+use crate::report::{remark, say};
 use crate::spec::{Spec, argument, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
@@ -253,7 +253,7 @@ impl StageArgs {
                 spec.finish(&known.collect::<Vec<_>>())?;
                 let Environment { map, words, remarks } = Environment::read(&file, &picture)?;
                 let pole = picture.up.map(UpAxis::direction);
-                remarks.iter().for_each(|remark| say(quiet, remark));
+                remarks.iter().for_each(|text| remark(quiet, text));
                 let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
                 let to_map = to_map(up);
                 let hash = fingerprint(&bytes_of(&file)?);

@@ -118,7 +118,8 @@ fn negative_texels(image: &ChannelImage) -> Option<String> {
     // Four digits without trailing zeros.
     let shown = format!("{smallest:.3e}").parse::<f64>().unwrap_or(*smallest);
     Some(format!(
-        "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); they are used unchanged",
+        "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); integrands use their values, \
+         densities their magnitudes",
         negative().count(),
         image.values.len(),
         at / image.width,

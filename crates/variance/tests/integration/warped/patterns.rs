@@ -53,6 +53,12 @@ fn invalid_texts_name_the_fault() {
         ("sobol:warp=\"2 * cosine\"", "single"),
         ("file:a.csv,warp=cosine", "a.csv"),
         (":warp=cosine", "no name"),
+        ("sobol:warp=phong:n=3,floor=0.1", "unknown parameter floor"),
+        ("r2:warp=env:a.exr,floor=0.1,up=y", "r2:warp=\"env:a.exr,floor=0.1,up=y\""),
+        (
+            "poisson-disk-square:wrapped=no,warp=cylinder + env:a.exr,floor=0.1,heuristic=power",
+            "poisson-disk-square:wrapped=no,warp=\"cylinder + env:a.exr,floor=0.1\",heuristic=power",
+        ),
         ("sobol:warp=\"cosine", "quote"),
     ] {
         let error = text.parse::<WarpedPattern>().unwrap_err().to_string();
