@@ -171,7 +171,8 @@ pub enum Error {
     /// A density is 0 where the integrand is not.
     #[error(
         "the density is 0 where the integrand is not: at theta = {theta:.1}, phi = {phi:.1} degrees; \
-         {} % of the integral of |f| is lost; `floor=` mixes in the uniform density",
+         {} % of the integral of |f| is lost; add a warp that is positive there, as in \
+         \"0.9 * cosine + 0.1 * cylinder\", or for a map use floor=0.1",
         percent(*share)
     )]
     ZeroDensity {

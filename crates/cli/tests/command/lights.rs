@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::outcome::keys;
+use crate::outcome::{Outcome, keys};
 use crate::workplace::{Workplace, small_exr};
 
 /// Returns an uncompressed Radiance picture of 16 x 8 texels in these colours: a mantissa of each
@@ -133,4 +133,10 @@ fn mistakes_are_named() {
         place.run(arguments).fails(2, &[message]);
     }
     place.run("lights nothing.exr").fails(1, &["nothing.exr"]);
+    // Densities that are 0 where the map is not lose light.
+    let message = ["sobol:warp=cosine", "theta = ", "of |f| is lost", "0.1 * cylinder"];
+    place.run("lights sky.exr --samplers sobol:warp=cosine -n 8").fails(1, &message);
+    let both = ["--samplers", "sobol:warp=\"0.9 * cosine + 0.1 * cylinder\""];
+    let mut command = place.command("lights sky.exr -n 8 -m 2");
+    Outcome::new("a mixture", command.args(both).output().unwrap()).ok();
 }

@@ -1,4 +1,5 @@
 use glam::DVec3;
+use sphvar_integrands::PulledBack;
 use sphvar_samplers::{Domain, FibonacciParameters, Pattern, Purpose, Streams};
 use sphvar_warps::{Support, Warp};
 
@@ -34,25 +35,32 @@ impl WarpedPlan {
                 Density::World { warp, rotation } => of_world.push((&**warp, rotation.inverse())),
             }
         }
-        let covers_surface =
-            |warp: &&dyn Warp| matches!(warp.support(), Support::Sphere | Support::UpperHemisphere);
-        let covers_world = |(warp, _): &(&dyn Warp, _)| warp.support() == Support::Sphere;
-        let covers = of_surface.iter().any(covers_surface) || of_world.iter().any(covers_world);
-        if has_light || covers {
+        let covers_world = |(warp, _): &(&dyn Warp, _)| {
+            warp.support() == Support::Sphere && is_reached(warp.min_density())
+        };
+        if has_light || of_world.iter().any(covers_world) {
             return Ok(());
         }
-        if of_world.is_empty() {
-            let positive = |dir: DVec3| of_surface.iter().any(|warp| warp.density(dir) > 0.0);
-            return examine("about the normal", |dir| dir.z.max(0.0), positive);
+        if !of_surface.is_empty() {
+            let positive = |dir| of_surface.iter().any(|warp| is_reached(warp.density(dir)));
+            let examined = examine("about the normal", |dir| dir.z.max(0.0), positive);
+            if of_world.is_empty() || examined.is_ok() {
+                return examined;
+            }
         }
         let value = |dir: DVec3| match integral {
             Integral::Irradiance { radiance, .. } => radiance(dir),
             _ => 1.0,
         };
         examine("of the environment", value, |dir| {
-            of_world.iter().any(|(warp, rotation)| warp.density(*rotation * dir) > 0.0)
+            of_world.iter().any(|(warp, rotation)| is_reached(warp.density(*rotation * dir)))
         })
     }
+}
+
+/// Returns whether points reach directions of a density.
+fn is_reached(density: f64) -> bool {
+    density * Domain::Sphere.area() > PulledBack::UNREACHED
 }
 
 /// Compares a function with the set where a density is positive.
@@ -76,7 +84,7 @@ fn examine(
             }
         }
     }
-    if lost == 0.0 {
+    if lost <= PulledBack::NEGLIGIBLE * total {
         return Ok(());
     }
     let dir = largest.1;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use sphvar_integrands::{EnvironmentMap, Integrand};
+use sphvar_integrands::{EnvironmentMap, Integrand, PulledBack, Strategy};
 use sphvar_samplers::{Domain, PointSet};
 use sphvar_warps::{DensityMap, Interpolation, Oriented, Warp};
 
@@ -90,6 +90,17 @@ impl RgbEnvironment {
     #[must_use]
     pub fn luminance_warp(&self) -> Arc<dyn Warp> {
         self.luminance.clone()
+    }
+
+    /// Checks that some density is positive wherever a channel is not 0, so that the lights of their
+    /// directions lose no light.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PulledBack::check_support`].
+    pub fn check_support(&self, strategies: &[Strategy]) -> Result<(), Error> {
+        let magnitude = |dir: DVec3| self.radiance(dir).iter().map(|x| x.abs()).sum::<f64>();
+        Ok(PulledBack::check_support(&magnitude, Domain::Sphere, strategies)?)
     }
 
     /// Returns a light for each direction, with the radiance from there times a solid angle.

@@ -122,6 +122,9 @@ impl LightSampler {
                         "{pattern}: {n} points are not valid; the nearest valid count is {valid} (use --nearest)"
                     )));
                 }
+                environment
+                    .check_support(strategies)
+                    .map_err(|e| CliError::Failed(format!("{pattern}: {e}")))?;
                 Method::Warped {
                     samplers: pattern.samplers(valid).map_err(CliError::usage)?,
                     strategies: strategies.clone(),

@@ -5,16 +5,38 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use sphvar_warps::{Support, Warp, WarpSample, archimedes};
 
-use super::strategy::Ratio;
+use super::PulledBack;
+use super::strategy::{Heuristic, Ratio, Strategy};
 use crate::quadrature::finite_values;
-use crate::{Domain, Error};
+use crate::{Domain, Error, Integrand};
 
 /// The directions at which densities are examined.
 const DIRECTIONS: u32 = 1 << 17;
-/// The density relative to the uniform one below which no point of 53 bits reaches a direction.
-const ZERO: f64 = 1e-16;
-/// The lost share of the integral that counts as rounding.
-const ROUNDING: f64 = 1e-12;
+
+impl PulledBack<'_> {
+    /// The density relative to the uniform one below which no point of 53 bits reaches a direction.
+    pub const UNREACHED: f64 = 1e-16;
+    /// The share of an integral that may be lost where no point is, as by rounding.
+    pub const NEGLIGIBLE: f64 = 1e-12;
+
+    /// Checks that some density is positive where the function is not 0, at 131072 directions.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroDensity`] with the direction of the largest value that is lost and the lost share
+    /// of the integral; [`Error::Parameter`] for the strategies, and [`Error::Evaluation`] for the
+    /// values, as [`of_strategies`](Self::of_strategies).
+    pub fn check_support(
+        integrand: &dyn Integrand,
+        domain: Domain,
+        strategies: &[Strategy],
+    ) -> Result<(), Error> {
+        let ratios = Ratio::of_all(integrand, domain, strategies, Heuristic::default())?;
+        let check = |ratio: &Ratio<'_>| UniformDirections::new(ratio)?.check_support(ratio);
+        // All strategies together support the integral, so one ratio suffices.
+        ratios.first().map_or(Ok(()), check)
+    }
+}
 
 /// The function and the density at directions that are uniform on the domain, which shows what
 /// samples of the density seldom reach.
@@ -58,14 +80,15 @@ impl UniformDirections {
         for (dir, value) in self.dirs.iter().zip(&self.values) {
             let size = value.abs();
             total += size;
-            if size > 0.0 && ratio.max_density(*dir) * ratio.domain.area() <= ZERO {
+            if size > 0.0 && ratio.max_density(*dir) * ratio.domain.area() <= PulledBack::UNREACHED
+            {
                 lost += size;
                 if size > largest.0 {
                     largest = (size, *dir);
                 }
             }
         }
-        if lost <= ROUNDING * total {
+        if lost <= PulledBack::NEGLIGIBLE * total {
             return Ok(());
         }
         let dir = largest.1;
@@ -102,5 +125,5 @@ fn is_positive(warp: &dyn Warp, domain: Domain) -> bool {
         Support::UpperHemisphere => domain == Domain::Hemisphere,
         _ => false,
     };
-    is_complete && warp.min_density() * domain.area() > ZERO
+    is_complete && warp.min_density() * domain.area() > PulledBack::UNREACHED
 }

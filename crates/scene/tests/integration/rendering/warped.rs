@@ -18,7 +18,8 @@ use sphvar_scene::{
     View, WarpedPlan, render,
 };
 use sphvar_warps::{
-    ConcentricDisk, DensityMap, Interpolation, OctahedralSphere, UniformCap, VonMisesFisherLobe,
+    ConcentricDisk, DensityMap, Interpolation, OctahedralSphere, PhongLobe, UniformCap,
+    VonMisesFisherLobe,
 };
 
 use super::spot::{Spot, covered_share, form_factor, horizontal, mean_and_error};
@@ -175,6 +176,13 @@ fn environment_maps_are_in_world_directions() {
     let wide = Integral::Irradiance { radiance: &|_| 1.0, albedo: 0.5 };
     let error = one("sobol", world(half(1.0, 0.0)), 64).check(&wide).unwrap_err().to_string();
     assert!(error.contains("50.00 %") && error.contains("of the environment"), "{error}");
+    // A lobe that is positive everywhere, but of which no point is near the horizon.
+    let lobe = Density::Surface(Arc::new(PhongLobe::new(1e6).unwrap()));
+    let narrow = one("sobol", lobe.clone(), 64).check(&wide).unwrap_err().to_string();
+    assert!(narrow.contains("about the normal") && narrow.contains("99.99 %"), "{narrow}");
+    several("sobol", vec![(lobe, 0.9), (Density::cosine(), 0.1)], 64, Heuristic::Balance)
+        .check(&wide)
+        .unwrap();
     let both = vec![(world(half(1.0, 0.0)), 0.5), (Density::cosine(), 0.5)];
     let plan = several("sobol", both, 64, Heuristic::Balance);
     plan.check(&wide).unwrap();
