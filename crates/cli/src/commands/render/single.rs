@@ -19,7 +19,7 @@ use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
 use crate::point_sets::WeightSums;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print};
+use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
 /// The default number of directions.
 pub(super) const DEFAULT_COUNT: usize = 256;
@@ -170,6 +170,11 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let trials = Trials::new(args, &sampler, &stage, count, renders, global)?;
     Trials::check_sets(args, [&trials])?;
     trials.check(&stage)?;
+    let n = trials.plan.n_points();
+    if n != count {
+        let why = format!("{n} directions, the valid number nearest to the requested {count}");
+        say(global.quiet, &format!("{}: {why}", sampler.name().label));
+    }
     let reference = Reference::new(args, &stage, sampler.is_warped(), global)?;
     let reference = if compare {
         reference.remark(trials.plan.n_points());
