@@ -63,7 +63,7 @@ impl PatternKind for Pattern {
     type Space = Domain;
 
     const WARPS_REJECTED: &str = "warp= samples directions of a density, which are not homogeneous and have no angular \
-        spectrum; variance, compare, choose, sample and render support it. --square is for the pattern of the unit \
+        spectrum; variance, compare, choose, sample, render and lights support it. --square is for the pattern of the unit \
         square itself, without warp=";
 
     fn all() -> Vec<Self> {

@@ -2,7 +2,7 @@
 
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
-use sphvar_spectrum::{Resolution, Spectrum};
+use sphvar_spectrum::{Method, Resolution, Spectrum};
 use sphvar_variance::{
     Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
     PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
@@ -219,6 +219,11 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[DirectionCase]) -> Result<(), CliE
     if plan.effort.spectra.lmax.is_some() {
         let why = "its prediction is a sum over frequencies of the unit square";
         DirectionCase::all_uniform(cases, "--lmax", why)?;
+    }
+    let has_uniform = cases.iter().any(|case| case.uniform().is_some());
+    if plan.effort.spectra.method != Method::Auto && !has_uniform {
+        let why = "its transform on the unit square is fast (--epsilon)";
+        DirectionCase::all_uniform(cases, "--method", why)?;
     }
     check_uniform(plan, &cases.iter().filter_map(DirectionCase::uniform).collect::<Vec<_>>())
 }

@@ -71,10 +71,21 @@ pub(crate) fn parse_samplers(text: &str, quiet: bool) -> Result<Vec<DirectionSam
 /// Returns the sampler of one name. Prints remarks on files of points unless `quiet`.
 pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler, CliError> {
     if WarpedPattern::is_warped(text) {
-        parse_warped(text, quiet).map(DirectionSampler::Warped)
-    } else {
-        parse_pattern(text, quiet).map(DirectionSampler::Uniform)
+        return parse_warped(text, quiet).map(DirectionSampler::Warped);
     }
+    if is_adapted(text) {
+        return Err(CliError::Usage(format!(
+            "{text}: the sites of a tessellation for a density are neither homogeneous nor the image of a pattern of \
+             the square, so no spectrum predicts their variance; lights has them, and PATTERN:warp= samples a density"
+        )));
+    }
+    parse_pattern(text, quiet).map(DirectionSampler::Uniform)
+}
+
+/// Returns whether a text names the tessellation for a density.
+fn is_adapted(text: &str) -> bool {
+    let named = |mut spec: Spec| spec.name == "ccvt" && spec.take("density").is_some();
+    Spec::parse(text).is_ok_and(named)
 }
 
 /// Rejects the names of patterns of the sphere, which cannot be mapped to a density.
@@ -96,7 +107,11 @@ fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
         Error::Spectrum(sphvar_spectrum::Error::Sampler(error)) => {
             error_of_pattern::<SquarePattern>(text, error)
         }
-        error => CliError::Usage(format!("{text}: {error}")),
+        error => {
+            let message = error.to_string();
+            let has_text = message.contains(text);
+            CliError::Usage(if has_text { message } else { format!("{text}: {message}") })
+        }
     })
 }
 

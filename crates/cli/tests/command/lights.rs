@@ -136,6 +136,10 @@ fn mistakes_are_named() {
     // Densities that are 0 where the map is not lose light.
     let message = ["sobol:warp=cosine", "theta = ", "of |f| is lost", "0.1 * cylinder"];
     place.run("lights sky.exr --samplers sobol:warp=cosine -n 8").fails(1, &message);
+    let luminance = ["--samplers", "sobol:warp=\"luminance + cylinder\""];
+    let mut command = place.command("lights sky.exr -n 8");
+    Outcome::new("a sum with luminance", command.args(luminance).output().unwrap())
+        .fails(2, &["a density by itself", "env:FILE"]);
     let both = ["--samplers", "sobol:warp=\"0.9 * cosine + 0.1 * cylinder\""];
     let mut command = place.command("lights sky.exr -n 8 -m 2");
     Outcome::new("a mixture", command.args(both).output().unwrap()).ok();

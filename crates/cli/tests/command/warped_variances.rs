@@ -221,3 +221,25 @@ fn parameters_of_warps_without_quotes_are_explained() {
         .run("variance sobol:warp=cosine,exponent=2 -n 4 --integrand cosine")
         .fails(2, &["exponent", "unknown parameter"]);
 }
+
+/// What a sampler cannot do is said once, with the reason.
+#[test]
+fn mistakes_in_densities_are_explained() {
+    let place = Workplace::new();
+    for (sampler, message) in [
+        ("ccvt:density=cosine", "no spectrum predicts their variance"),
+        ("sobol:warp=cosine,heuristic=power", "is for a sum of warps"),
+        ("sobol:warp=", "the parameter warp is missing"),
+        ("sobol:warp=cosine --method exact", "--method does not apply to sobol:warp=cosine"),
+    ] {
+        for command in ["variance", "compare"] {
+            let arguments = format!("{command} {sampler} -n 4 --integrand cosine");
+            let outcome = place.run(&arguments);
+            let name = sampler.split(' ').next().unwrap();
+            assert!(outcome.stderr.matches(name).count() <= 1, "{}", outcome.stderr);
+            outcome.fails(2, &[message]);
+        }
+    }
+    place.run("choose ccvt:density=cosine -n 4 --integrand cosine").fails(2, &["no spectrum"]);
+    place.run("spectrum sobol:warp=cosine -n 4").fails(2, &["render and lights"]);
+}

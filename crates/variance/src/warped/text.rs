@@ -64,15 +64,15 @@ impl FromStr for WarpedText {
 
     /// # Errors
     ///
-    /// [`Error::Integrand`] for a text that is no specification, has no `warp` or an unknown
-    /// heuristic.
+    /// [`Error::Integrand`] for a text that is no specification, has no `warp`, an empty one or an
+    /// unknown heuristic.
     fn from_str(text: &str) -> Result<Self, Error> {
         let mut spec = Spec::parse(text).map_err(sphvar_integrands::Error::from)?;
         let missing = || {
             let (text, key) = (text.to_owned(), WARP.to_owned());
             sphvar_integrands::Error::from(grammar::Error::Missing { text, key })
         };
-        let warp = spec.take(WARP).ok_or_else(missing)?;
+        let warp = spec.take(WARP).filter(|warp| !warp.trim().is_empty()).ok_or_else(missing)?;
         let heuristic = spec.take(HEURISTIC).map(|name| name.parse()).transpose()?;
         let (name, items) = items(text);
         let own = |item: &&str| !matches!(key(item), Some(WARP | HEURISTIC));

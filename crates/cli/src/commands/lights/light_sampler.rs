@@ -86,6 +86,13 @@ impl LightSampler {
             let pattern = parse_pattern(&parts.pattern, quiet)?;
             return Ok(Self::Luminance { text: parts, pattern });
         }
+        let names_luminance = parts.warp.split([' ', ',']).any(|word| word == LUMINANCE);
+        if names_luminance {
+            return Err(CliError::Usage(format!(
+                "{text}: {LUMINANCE} is a density by itself only; name the map in expressions, as in \
+                 \"0.9 * env:FILE + 0.1 * cylinder\""
+            )));
+        }
         Ok(match parse_sampler(text, quiet)? {
             DirectionSampler::Uniform(pattern) => Self::Uniform(pattern),
             DirectionSampler::Warped(pattern) => {

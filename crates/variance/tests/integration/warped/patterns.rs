@@ -41,7 +41,9 @@ fn texts_are_read_as_they_are_written() {
 fn invalid_texts_name_the_fault() {
     for (text, part) in [
         ("sobol", "warp"),
-        ("sobol:warp=", "no operand"),
+        ("sobol:warp=", "the parameter warp is missing"),
+        ("sobol:warp=\" \"", "the parameter warp is missing"),
+        ("sobol:warp=\"cosine + \"", "no operand"),
         ("sobol:warp=cosin", "cosine"),
         ("sobol:warp=cosine,heuristic=power", "remove it"),
         ("sobol:warp=\"cosine + cylinder\",heuristic=best", "balance"),
