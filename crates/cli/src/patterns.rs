@@ -18,7 +18,8 @@ use crate::report::say;
 use crate::spec::Spec;
 
 pub(crate) use self::direction_sampler::{
-    DirectionSampler, build_warped, check_square_pattern, parse_sampler, parse_samplers,
+    DirectionSampler, UNPREDICTED, build_warped, check_square_pattern, parse_sampler,
+    parse_samplers,
 };
 pub(crate) use self::pattern_files::PatternFiles;
 pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effective};

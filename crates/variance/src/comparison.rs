@@ -185,7 +185,7 @@ impl Comparison {
 
     fn point(&self, variance: f64, stderr: f64, rounding: f64) -> VariancePoint {
         let n_points = self.n_points as f64;
-        if variance > rounding {
+        if variance > rounding || variance.is_nan() {
             VariancePoint { n_points, variance, stderr }
         } else {
             VariancePoint { n_points, variance: 0.0, stderr: 0.0 }

@@ -27,6 +27,7 @@
 //! A [`WarpedPredictor`] predicts importance sampling: patterns of the square that are mapped to
 //! directions of known densities. [`integrate`] doubles the number of points until a tolerance is met.
 
+mod adapted;
 mod candidate;
 mod comparison;
 mod crossover;
@@ -58,6 +59,7 @@ mod trials;
 mod visible_half;
 mod warped;
 
+pub use adapted::AdaptedPattern;
 pub use candidate::{Candidate, Goal, rank};
 pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};

@@ -30,6 +30,22 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// The prediction of a variance that no spectrum predicts: every number is NaN.
+    pub const UNKNOWN: Self = Self {
+        variance: f64::NAN,
+        stderr: f64::NAN,
+        energy_stderr: f64::NAN,
+        tail: f64::NAN,
+        tail_error: f64::NAN,
+        dof: f64::NAN,
+    };
+
+    /// Returns whether there is no prediction, [`Self::UNKNOWN`].
+    #[must_use]
+    pub fn is_unknown(&self) -> bool {
+        self.variance.is_nan()
+    }
+
     /// Returns the end points of an interval for the variance: Student's interval at `confidence`,
     /// within (0, 1), for the errors of spectrum and energies, widened on both sides by the whole error of
     /// the tail, and never below 0.

@@ -216,7 +216,7 @@ impl Experiment {
         progress: &dyn Progress,
     ) -> Result<Comparison, Error> {
         // No number of trials makes a variance due to rounding precise.
-        let is_visible = prediction.variance > self.rounding;
+        let is_visible = prediction.is_unknown() || prediction.variance > self.rounding;
         let measurement = match trials.until.filter(|_| is_visible) {
             None => Measurement::new(source(0..trials.count)?),
             Some(target) => {

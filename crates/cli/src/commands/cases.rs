@@ -1,11 +1,12 @@
 //! Samplers at numbers of points, which `variance` and `compare` run.
 
 use sphvar_samplers::{Domain, Pattern};
-use sphvar_variance::{IntegrationSpace, Trials, WarpedPattern};
+use sphvar_variance::{AdaptedPattern, IntegrationSpace, Trials, WarpedPattern};
 
 use super::rows::Effort;
 use crate::error::CliError;
 use crate::flags::missing_count;
+use crate::memory::check_points;
 use crate::patterns::{self, DirectionSampler, PredictedPattern, SamplerRef};
 
 /// One pattern at one number of points.
@@ -85,10 +86,38 @@ impl WarpedCase {
     }
 }
 
+/// Tessellations for a density at one number of points.
+pub(super) struct AdaptedCase {
+    pub(super) pattern: AdaptedPattern,
+    pub(super) n_points: usize,
+}
+
+impl AdaptedCase {
+    /// Returns the tessellations at every number of points, each once.
+    fn all(pattern: &AdaptedPattern, counts: &[usize]) -> Result<Vec<Self>, CliError> {
+        if counts.is_empty() {
+            return Err(missing_count());
+        }
+        let distinct = counts.iter().enumerate().filter(|(i, n)| !counts[..*i].contains(n));
+        distinct
+            .map(|(_, &n_points)| {
+                check_points(n_points.saturating_mul(pattern.capacity))?;
+                Ok(Self { pattern: pattern.clone(), n_points })
+            })
+            .collect()
+    }
+
+    /// Returns the trials: the user's number or the default.
+    pub(super) fn trials(&self, effort: &Effort) -> Trials {
+        effort.trials_or(|| self.pattern.default_trials(self.n_points))
+    }
+}
+
 /// One sampler of directions at one number of points.
 pub(super) enum DirectionCase {
     Uniform(Case),
     Warped(WarpedCase),
+    Adapted(AdaptedCase),
 }
 
 impl DirectionCase {
@@ -113,6 +142,10 @@ impl DirectionCase {
                 DirectionSampler::Warped(pattern) => {
                     cases.extend(warped(pattern, counts, nearest)?.into_iter().map(Self::Warped));
                 }
+                DirectionSampler::Adapted(pattern) => {
+                    let all = AdaptedCase::all(pattern, counts)?;
+                    cases.extend(all.into_iter().map(Self::Adapted));
+                }
             }
         }
         Ok(cases)
@@ -122,6 +155,7 @@ impl DirectionCase {
         match self {
             Self::Uniform(case) => case.n_points(),
             Self::Warped(case) => case.n_points,
+            Self::Adapted(case) => case.n_points,
         }
     }
 
@@ -129,30 +163,37 @@ impl DirectionCase {
     pub(super) fn uniform(&self) -> Option<&Case> {
         match self {
             Self::Uniform(case) => Some(case),
-            Self::Warped(_) => None,
+            Self::Warped(_) | Self::Adapted(_) => None,
         }
     }
 
     /// Returns the warped pattern, if it is one.
     pub(super) fn warped(&self) -> Option<&WarpedCase> {
         match self {
-            Self::Uniform(_) => None,
+            Self::Uniform(_) | Self::Adapted(_) => None,
             Self::Warped(case) => Some(case),
         }
     }
 
-    /// Returns the patterns of the sphere; an error names the option that does not apply to warped
-    /// patterns, and why.
+    /// Returns the text of a sampler that is no pattern of the sphere.
+    fn density(&self) -> Option<String> {
+        match self {
+            Self::Uniform(_) => None,
+            Self::Warped(case) => Some(case.pattern.to_string()),
+            Self::Adapted(case) => Some(case.pattern.to_string()),
+        }
+    }
+
+    /// Returns the patterns of the sphere; an error names the option that does not apply to samplers
+    /// of a density, and why.
     pub(super) fn all_uniform<'c>(
         cases: &'c [Self],
         option: &str,
         why: &str,
     ) -> Result<Vec<&'c Case>, CliError> {
-        match cases.iter().find_map(Self::warped) {
+        match cases.iter().find_map(Self::density) {
             None => Ok(cases.iter().filter_map(Self::uniform).collect()),
-            Some(case) => {
-                Err(CliError::Usage(format!("{option} does not apply to {}: {why}", case.pattern)))
-            }
+            Some(name) => Err(CliError::Usage(format!("{option} does not apply to {name}: {why}"))),
         }
     }
 
@@ -161,6 +202,7 @@ impl DirectionCase {
         let label = match self {
             Self::Uniform(case) => case.pattern.label(),
             Self::Warped(case) => case.pattern.label(),
+            Self::Adapted(case) => case.pattern.to_string(),
         };
         format!("{label} N = {}", self.n_points())
     }

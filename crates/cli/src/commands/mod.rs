@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 pub(crate) mod accuracy;
+mod adapted_rows;
 pub(crate) mod audit;
 pub(crate) mod bounds;
 pub(crate) mod choose;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use sphvar_variance::Comparison;
 
 use super::rows::Row;
+use crate::patterns::UNPREDICTED;
 use crate::report::{Column, number};
 
 /// A pattern at one number of points, with its predicted and measured variance. A number that
@@ -36,12 +37,14 @@ pub(crate) struct RowRecord {
     /// Trials from which the variance was measured.
     trials: usize,
     /// The predicted variance of the integral, in squared units of the integral; of an irradiance,
-    /// the mean squared error integrated over all normals.
+    /// the mean squared error integrated over all normals. Null for tessellations for a density.
+    #[schemars(with = "Option<f64>")]
     predicted: f64,
     /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     #[schemars(with = "Option<f64>")]
     predicted_stderr: f64,
     /// The part of `predicted` beyond the largest degree or frequency of the spectrum.
+    #[schemars(with = "Option<f64>")]
     predicted_tail: f64,
     /// The measured variance of the integral.
     #[schemars(with = "Option<f64>")]
@@ -131,13 +134,14 @@ impl RowRecord {
         let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
         let bias = row.comparison.bias().filter(|_| !row.comparison.is_rounded_away());
         let is_rounded_away = row.comparison.is_rounded_away();
-        let remark = match row.comparison.has_too_few_hits() {
+        let missing = match row.comparison.has_too_few_hits() {
             true => Some(TOO_FEW),
             false => is_rounded_away.then_some(ROUNDED_AWAY),
         };
+        let remark = missing.or(prediction.is_unknown().then_some(UNPREDICTED));
         let of_trials = |x: f64| if is_rounded_away { f64::NAN } else { x };
         // The error of the trials does not include energy that they did not sample.
-        let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
+        let known = |x: f64| if missing.is_some() { f64::NAN } else { x };
         // An integral of 0 is known up to rounding.
         let error = prediction.variance.sqrt();
         let direction = row.largest.map(|largest| largest.direction);

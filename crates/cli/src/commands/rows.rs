@@ -9,6 +9,7 @@ use sphvar_variance::{
     check_degree as check_settled, prediction_degree, settled_degree,
 };
 
+use super::adapted_rows::AdaptedDensities;
 use super::cases::{Case, DirectionCase};
 use super::power_chart::{BandTexts, ShownBands, largest_radius};
 use super::warped_rows::WarpedIntegrals;
@@ -74,9 +75,10 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// Returns whether the sampler is a warped pattern.
+    /// Returns whether the sampler samples a density: whether it is a warped pattern or has no
+    /// prediction.
     pub(super) fn is_warped(&self) -> bool {
-        self.largest.is_some()
+        self.largest.is_some() || self.comparison.prediction.is_unknown()
     }
 }
 
@@ -167,6 +169,7 @@ pub(super) fn run(
     check(plan, cases)?;
     let pulled_back = WarpedIntegrals::new(plan, cases)?;
     let mut warped = pulled_back.predictors(&plan.effort)?;
+    let adapted = AdaptedDensities::new(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
             integral.integrand.announce_energies(plan.domain, lmax, plan.effort.quiet);
@@ -190,6 +193,7 @@ pub(super) fn run(
                 joint.work(sampler)? + plan.effort.trials_of::<Domain>(sampler).work(sampler)
             }
             DirectionCase::Warped(case) => warped.work(case, &plan.effort)?,
+            DirectionCase::Adapted(case) => adapted.work(case, &plan.effort),
         };
     }
     let progress = Progress::new(work, plan.effort.quiet);
@@ -203,6 +207,7 @@ pub(super) fn run(
                     joint.predictors().map(|p| p.white_variance(case.n_points)).collect();
                 warped.rows(plan, case, &white, &progress)?
             }
+            DirectionCase::Adapted(case) => adapted.rows(plan, case, &mut joint, &progress)?,
         });
     }
     let mut predictors: Vec<_> = joint.predictors().collect();

@@ -88,6 +88,9 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     match patterns::parse_sampler(sampler, global.quiet)? {
         DirectionSampler::Uniform(pattern) => sample_uniform(&pattern, args, global),
         DirectionSampler::Warped(pattern) => sample_warped(&pattern, args, global),
+        DirectionSampler::Adapted(pattern) => Err(CliError::Usage(format!(
+            "{pattern}: sample has patterns with warp=; lights writes the sites of {pattern} for a map"
+        ))),
     }
 }
 

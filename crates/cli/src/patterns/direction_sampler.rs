@@ -4,7 +4,7 @@
 use std::fmt;
 
 use sphvar_samplers::{Pattern, SquarePattern, SquareSampler};
-use sphvar_variance::{Error, WarpedPattern};
+use sphvar_variance::{AdaptedPattern, Error, WarpedPattern};
 
 use super::{
     ALL, PatternFiles, PatternKind, SamplerName, error_of_pattern, parse_pattern,
@@ -21,6 +21,8 @@ pub(crate) enum DirectionSampler {
     Uniform(Pattern),
     /// A pattern of the square mapped to one or several densities.
     Warped(WarpedPattern),
+    /// Tessellations for a density, whose variance is measured only.
+    Adapted(AdaptedPattern),
 }
 
 impl DirectionSampler {
@@ -33,6 +35,10 @@ impl DirectionSampler {
                 label: warped.label(),
                 is_file: warped.pattern.is_file(),
             },
+            Self::Adapted(adapted) => {
+                let text = adapted.to_string();
+                SamplerName { label: text.clone(), text, is_file: false }
+            }
         }
     }
 
@@ -40,6 +46,7 @@ impl DirectionSampler {
         match self {
             Self::Uniform(pattern) => pattern.use_long_label(),
             Self::Warped(warped) => warped.pattern.use_long_label(),
+            Self::Adapted(_) => {}
         }
     }
 }
@@ -49,6 +56,7 @@ impl fmt::Display for DirectionSampler {
         match self {
             Self::Uniform(pattern) => pattern.fmt(f),
             Self::Warped(warped) => warped.fmt(f),
+            Self::Adapted(adapted) => adapted.fmt(f),
         }
     }
 }
@@ -73,19 +81,22 @@ pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler,
     if WarpedPattern::is_warped(text) {
         return parse_warped(text, quiet).map(DirectionSampler::Warped);
     }
-    if is_adapted(text) {
-        return Err(CliError::Usage(format!(
-            "{text}: the sites of a tessellation for a density are neither homogeneous nor the image of a pattern of \
-             the square, so no spectrum predicts their variance; lights has them, and PATTERN:warp= samples a density"
-        )));
+    if AdaptedPattern::is_adapted(text) {
+        let adapted = text.parse::<AdaptedPattern>();
+        return adapted
+            .map(DirectionSampler::Adapted)
+            .map_err(|error| CliError::Usage(with_text(text, &error)));
     }
     parse_pattern(text, quiet).map(DirectionSampler::Uniform)
 }
 
-/// Returns whether a text names the tessellation for a density.
-fn is_adapted(text: &str) -> bool {
-    let named = |mut spec: Spec| spec.name == "ccvt" && spec.take("density").is_some();
-    Spec::parse(text).is_ok_and(named)
+/// Why tessellations for a density have no prediction.
+pub(crate) const UNPREDICTED: &str = "its sites are neither homogeneous nor the image of a pattern of the square, so no spectrum predicts its variance";
+
+/// Returns an error after the text that it is about, unless it contains that.
+fn with_text(text: &str, error: &Error) -> String {
+    let message = error.to_string();
+    if message.contains(text) { message } else { format!("{text}: {message}") }
 }
 
 /// Rejects the names of patterns of the sphere, which cannot be mapped to a density.
@@ -107,11 +118,7 @@ fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
         Error::Spectrum(sphvar_spectrum::Error::Sampler(error)) => {
             error_of_pattern::<SquarePattern>(text, error)
         }
-        error => {
-            let message = error.to_string();
-            let has_text = message.contains(text);
-            CliError::Usage(if has_text { message } else { format!("{text}: {message}") })
-        }
+        error => CliError::Usage(with_text(text, &error)),
     })
 }
 

@@ -227,7 +227,8 @@ fn parameters_of_warps_without_quotes_are_explained() {
 fn mistakes_in_densities_are_explained() {
     let place = Workplace::new();
     for (sampler, message) in [
-        ("ccvt:density=cosine", "no spectrum predicts their variance"),
+        ("ccvt:density=nothing", "unknown warp"),
+        ("ccvt:density=cosine,capacity=0", "capacity must be at least 1"),
         ("sobol:warp=cosine,heuristic=power", "is for a sum of warps"),
         ("sobol:warp=", "the parameter warp is missing"),
         ("sobol:warp=cosine --method exact", "--method does not apply to sobol:warp=cosine"),
@@ -241,5 +242,42 @@ fn mistakes_in_densities_are_explained() {
         }
     }
     place.run("choose ccvt:density=cosine -n 4 --integrand cosine").fails(2, &["no spectrum"]);
+    place.run("sample ccvt:density=cosine -n 4").fails(2, &["lights writes"]);
     place.run("spectrum sobol:warp=cosine -n 4").fails(2, &["render and lights"]);
+}
+
+/// Tessellations for a density have a measured variance, a mean and the reason why there is no
+/// prediction.
+#[test]
+fn tessellations_for_a_density_are_measured() {
+    let place = Workplace::new();
+    let density = "ccvt:density=cosine,capacity=16";
+    let arguments = format!(
+        "variance {density},white-square:warp=cosine --hemisphere -n 16 --integrand phong:n=2 -m 200 --json"
+    );
+    let document = place.run(&arguments).json();
+    let [adapted, white] = rows(&document) else { panic!("{document}") };
+    assert_eq!(adapted["sampler"], density);
+    for key in ["predicted", "predicted_stderr", "predicted_low", "ratio", "z"] {
+        assert!(adapted[key].is_null(), "{key}: {adapted}");
+    }
+    assert!(adapted["remark"].as_str().unwrap().contains("no spectrum predicts"), "{adapted}");
+    // Well separated points of the same density and weights.
+    let measured = number(adapted, "measured");
+    assert!(measured < 0.5 * number(white, "predicted") && measured > 0.0, "{adapted}");
+    assert!(
+        number(adapted, "measured_low") < measured && number(adapted, "measured_high") > measured
+    );
+    assert!((number(adapted, "mean") / number(adapted, "exact") - 1.0).abs() < 0.2, "{adapted}");
+    assert!(!adapted["bias_z"].is_null(), "{adapted}");
+    let one_thread = place.run(&format!("{arguments} -j 1")).json();
+    assert_eq!(rows(&one_thread), rows(&document));
+    let table = place.run(&arguments.replace(" --json", "")).ok().stdout;
+    assert!(table.contains("no spectrum predicts"), "{table}");
+    let compared =
+        format!("compare {density},jittered --hemisphere -n 8,16 -m 30 --integrand phong:n=2");
+    let table = place.run(&compared).ok().stdout;
+    assert!(table.contains("no spectrum predicts"), "{table}");
+    // The density is 0 below the horizon.
+    place.run(&format!("variance {density} -n 16 --integrand vmf:kappa=1")).fails(1, &["is lost"]);
 }

@@ -18,7 +18,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{Integral, NamedSquareIntegrand, check_domain};
 use crate::memory::check_memory;
-use crate::patterns::{DirectionSampler, parse_patterns, parse_samplers};
+use crate::patterns::{DirectionSampler, UNPREDICTED, parse_patterns, parse_samplers};
 use crate::progress::Progress;
 use crate::report::number;
 
@@ -85,7 +85,7 @@ impl<'a> Ranking<'a> {
 
         let is_named = named.is_some();
         let (uniform, warped) = match named {
-            Some(named) => split(named),
+            Some(named) => split(named)?,
             None => (patterns(), Vec::new()),
         };
         if let (Some(warped), true) = (warped.first(), integral.is_irradiance()) {
@@ -225,15 +225,19 @@ impl<'a> Ranking<'a> {
 }
 
 /// Returns the patterns of the sphere and the warped ones.
-fn split(samplers: Vec<DirectionSampler>) -> (Vec<Pattern>, Vec<WarpedPattern>) {
+fn split(samplers: Vec<DirectionSampler>) -> Result<(Vec<Pattern>, Vec<WarpedPattern>), CliError> {
     let (mut uniform, mut warped) = (Vec::new(), Vec::new());
     for sampler in samplers {
         match sampler {
             DirectionSampler::Uniform(pattern) => uniform.push(pattern),
             DirectionSampler::Warped(pattern) => warped.push(pattern),
+            DirectionSampler::Adapted(pattern) => {
+                let measured = "variance and compare measure it";
+                return Err(CliError::Usage(format!("{pattern}: {UNPREDICTED}; {measured}")));
+            }
         }
     }
-    (uniform, warped)
+    Ok((uniform, warped))
 }
 
 /// Returns the number of points at which patterns are ordered by cost, if memory suffices for it.

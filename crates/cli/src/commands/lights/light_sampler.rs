@@ -6,7 +6,7 @@ use sphvar_samplers::{
     Square, SquarePattern, SquareSampler, Streams,
 };
 use sphvar_scene::{DirectionalLight, RgbEnvironment};
-use sphvar_variance::{WarpedPattern, WarpedRealizations, WarpedText};
+use sphvar_variance::{AdaptedPattern, WarpedPattern, WarpedRealizations, WarpedText};
 
 use crate::error::CliError;
 use crate::integrands::strategies_of;
@@ -22,7 +22,7 @@ const MEDIAN_CUT: &str = "median-cut";
 const CCVT: &str = "ccvt";
 /// The default capacity of cells of equal luminance; 256 reduces errors by a tenth and takes four to
 /// six times as long.
-const DEFAULT_CAPACITY: usize = 64;
+const DEFAULT_CAPACITY: usize = AdaptedPattern::DEFAULT_CAPACITY;
 
 /// A way to choose lights.
 pub(super) enum LightSampler {
@@ -95,6 +95,10 @@ impl LightSampler {
         }
         Ok(match parse_sampler(text, quiet)? {
             DirectionSampler::Uniform(pattern) => Self::Uniform(pattern),
+            DirectionSampler::Adapted(pattern) => {
+                let own = format!("{CCVT}:density={LUMINANCE}");
+                return Err(CliError::Usage(format!("{pattern}: lights has {own} only")));
+            }
             DirectionSampler::Warped(pattern) => {
                 let strategies = strategies_of(&[&pattern.warp], Domain::Sphere, quiet)?;
                 Self::Warped { pattern, strategies: strategies.concat() }
