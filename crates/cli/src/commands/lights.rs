@@ -18,14 +18,14 @@ use sphvar_scene::{DirectionalLight, IrradianceError, IrradianceReference};
 
 use self::environment::LightProbe;
 use self::light_sampler::{LightSampler, Setting};
-use self::light_table::{LightRow, TableFormat, glsl};
+use self::light_table::{AXES, COLOURS, LightRow, TableFormat, comments, glsl};
 use self::picture::Panel;
 use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::flags::{CountsArgs, NearestArgs};
 use crate::global::Global;
 use crate::progress::Progress;
-use crate::report::{Column, Forms, Provenance, csv_of, emit, number, table_of, write_text};
+use crate::report::{Column, Forms, Provenance, csv_rows, emit, number, table_of, write_text};
 use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -33,7 +33,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar lights env:data/city.exr,up=y -n 16 -o lights.glsl
   sphvar lights data/city.exr --samplers white-noise,median-cut,ccvt:density=luminance -n 64,256 --picture lights.png
 
-A light is a direction x,y,z and the irradiance r,g,b of a surface that faces it. Samplers:
+A light is a direction x,y,z and the irradiance r,g,b of a surface that faces it. Without up=, the pole of the map is +z, the \
+left edge of the picture at +y and its middle at -y. Samplers:
   ccvt:density=luminance[,capacity=K]   cells of equal luminance with a light at their means, K mass points each [default: 64]
   median-cut                            rows and columns divided into parts of equal luminance (Debevec 2005)
   PATTERN:warp=luminance                a pattern of the square, mapped to directions by the luminance of the map
@@ -81,6 +82,10 @@ pub(crate) struct LightsArgs {
 pub(crate) struct LightsBody {
     /// The environment map with its parameters.
     environment: String,
+    /// The frame of directions, and where the picture lies in it.
+    axes: &'static str,
+    /// The unit of the colours of lights.
+    colours: &'static str,
     /// The lights of a single sampler and number of points; null for several.
     rows: Option<Vec<LightRow>>,
     /// The error of the irradiance of `rows` over all normals, of the luminance, relative to its root
@@ -164,6 +169,8 @@ pub(crate) fn run(args: &LightsArgs, global: &Global) -> Result<(), CliError> {
     let single = outcomes.first().filter(|_| is_single);
     let body = LightsBody {
         environment: name,
+        axes: AXES,
+        colours: COLOURS,
         rows: single.map(|single| single.lights.iter().map(LightRow::from).collect()),
         irradiance_error: single.and_then(|single| single.error.luminance),
         irradiance_errors: outcomes.iter().map(|outcome| outcome.row.clone()).collect(),
@@ -171,10 +178,11 @@ pub(crate) fn run(args: &LightsArgs, global: &Global) -> Result<(), CliError> {
     let rows = body.rows.as_deref().unwrap_or_default();
     let mut out = args.out.as_deref();
     if let (Some(TableFormat::Glsl), Some(path)) = (format, out) {
-        write_text(path, &glsl(rows, &provenance))?;
+        write_text(path, &glsl(rows, &comments("//", &body.environment, &provenance)))?;
         out = None;
     }
-    let csv = || csv_of(&provenance, rows);
+    let head = comments("#", &body.environment, &provenance);
+    let csv = || csv_rows(rows).map(|table| format!("{head}{table}"));
     let text = || body.text(args.out.is_none());
     emit(out, global, &provenance, &body, &Forms { csv: &csv, chart: None, text: &text })
 }

@@ -24,7 +24,15 @@ fn lights_are_written_in_every_form() {
     let place = Workplace::new();
     place.write("sky.exr", small_exr(16, 8));
     let document = place.run("lights sky.exr -n 12 --json").json();
-    let expected = ["environment", "rows", "irradiance_error", "irradiance_errors", "provenance"];
+    let expected = [
+        "environment",
+        "axes",
+        "colours",
+        "rows",
+        "irradiance_error",
+        "irradiance_errors",
+        "provenance",
+    ];
     assert_eq!(keys(&document), expected);
     assert_eq!(document["environment"], "env:sky.exr");
     let rows = document["rows"].as_array().unwrap();
@@ -34,8 +42,11 @@ fn lights_are_written_in_every_form() {
     let csv = place.text("lights.csv");
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with("# sphvar lights sky.exr"), "{csv}");
-    assert_eq!((lines[1], lines.len()), ("x,y,z,r,g,b", 14));
-    let first: Vec<f64> = lines[2].split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert_eq!(lines[1], "# environment: env:sky.exr");
+    let conventions = ["axes", "colours"].map(|key| document[key].as_str().unwrap());
+    assert_eq!([lines[2], lines[3]], conventions.map(|text| format!("# {text}")));
+    assert_eq!((lines[4], lines.len()), ("x,y,z,r,g,b", 17));
+    let first: Vec<f64> = lines[5].split(',').map(|cell| cell.parse().unwrap()).collect();
     for (key, x) in ["x", "y", "z", "r", "g", "b"].iter().zip(&first) {
         // The reader of JSON in tests rounds the last digit.
         assert!((rows[0][key].as_f64().unwrap() - x).abs() <= 1e-15 * x.abs(), "{key}: {x}");
@@ -46,9 +57,9 @@ fn lights_are_written_in_every_form() {
     assert!(
         glsl.contains(&format!(
             "{}, {}, {}",
-            lines[2].split(',').next().unwrap(),
-            lines[2].split(',').nth(1).unwrap(),
-            lines[2].split(',').nth(2).unwrap()
+            lines[5].split(',').next().unwrap(),
+            lines[5].split(',').nth(1).unwrap(),
+            lines[5].split(',').nth(2).unwrap()
         )),
         "{glsl}"
     );
@@ -93,6 +104,27 @@ fn axes_of_maps_rotate_lights() {
         let document = place.run(&format!("lights env:sun.hdr{axes} -n 1 --json")).json();
         let along = document["rows"][0][key].as_f64().unwrap();
         assert!(if key == "x" { along < -0.9 } else { along > 0.9 }, "{document}");
+    }
+}
+
+#[test]
+fn axes_are_those_that_files_state() {
+    let place = Workplace::new();
+    for (i, j) in [(2, 3), (5, 11)] {
+        let light = |row, column| if (row, column) == (i, j) { [255, 9, 1, 200] } else { [0; 4] };
+        place.write("texel.hdr", radiance(light));
+        let document = place.run("lights texel.hdr -n 1 --samplers median-cut --json").json();
+        let light = &document["rows"][0];
+        let theta = std::f64::consts::PI * (i as f64 + 0.5) / 8.0;
+        let phi = std::f64::consts::PI * (0.5 - 2.0 * (j as f64 + 0.5) / 16.0);
+        let stated = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+        let cosine: f64 = ["x", "y", "z"]
+            .iter()
+            .zip(stated)
+            .map(|(key, x)| light[key].as_f64().unwrap() * x)
+            .sum();
+        // Within half of the texel.
+        assert!(cosine > (std::f64::consts::PI / 16.0).cos(), "{document}");
     }
 }
 

@@ -7,7 +7,16 @@ use sphvar_scene::DirectionalLight;
 
 use crate::error::CliError;
 use crate::files::{AtomicFile, is_stream};
+use crate::message::escape;
 use crate::report::{Provenance, full};
+
+/// The frame of directions, and where the picture lies in it.
+pub(super) const AXES: &str = "x, y, z: unit vector towards the light, (sin theta cos phi, sin theta sin phi, cos theta); \
+    row i and column j of a latlong picture of H rows and W columns are centred at theta = 180 (i + 1/2)/H, \
+    phi = 90 - 360 (j + 1/2)/W degrees, before mirror=, rotate= and up= of the environment";
+/// The unit of colours.
+pub(super) const COLOURS: &str = "r, g, b: irradiance of a surface that faces the light, radiance times solid angle, in the units \
+    of the picture";
 
 /// A light.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -64,13 +73,20 @@ impl TableFormat {
     }
 }
 
-/// Returns lights as constants of the OpenGL Shading Language.
-pub(super) fn glsl(lights: &[LightRow], provenance: &Provenance) -> String {
+/// Returns the comments at the head of files, each line after `mark`: provenance, environment and
+/// conventions.
+pub(super) fn comments(mark: &str, environment: &str, provenance: &Provenance) -> String {
+    let environment = format!("environment: {}", escape(environment));
+    let lines = [provenance.line(), environment, AXES.to_owned(), COLOURS.to_owned()];
+    lines.map(|line| format!("{mark} {line}\n")).concat()
+}
+
+/// Returns lights as constants of the OpenGL Shading Language, after `comments`.
+pub(super) fn glsl(lights: &[LightRow], comments: &str) -> String {
     let n = lights.len();
     let mut text = format!(
-        "// {}\n// E(normal) = sum over i of LIGHT_IRRADIANCES[i] * max(0.0, dot(normal, LIGHT_DIRECTIONS[i]))\n\
-         const int LIGHT_COUNT = {n};\n",
-        provenance.line()
+        "{comments}// E(normal) = sum over i of LIGHT_IRRADIANCES[i] * max(0.0, dot(normal, LIGHT_DIRECTIONS[i]))\n\
+         const int LIGHT_COUNT = {n};\n"
     );
     let mut array = |name: &str, of: &dyn Fn(&LightRow) -> [f64; 3]| {
         let vectors: Vec<String> = lights
@@ -87,14 +103,18 @@ pub(super) fn glsl(lights: &[LightRow], provenance: &Provenance) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{LightRow, glsl};
+    use super::{AXES, COLOURS, LightRow, comments, glsl};
     use crate::report::Provenance;
 
     #[test]
     fn tables_for_shaders_are_constants() {
         let light = LightRow { x: 0.0, y: 0.6, z: -0.8, r: 1e20, g: 0.25, b: 0.0 };
-        let text = glsl(&[light.clone(), light], &Provenance::of("sphvar lights".to_owned(), 3));
+        let provenance = Provenance::of("sphvar lights".to_owned(), 3);
+        let text = glsl(&[light.clone(), light], &comments("//", "env:a\nb.exr", &provenance));
         let expected = "// sphvar lights (sphvar 0.2.0, seed 3)
+// environment: env:a\\nb.exr
+// AXES
+// COLOURS
 // E(normal) = sum over i of LIGHT_IRRADIANCES[i] * max(0.0, dot(normal, LIGHT_DIRECTIONS[i]))
 const int LIGHT_COUNT = 2;
 const vec3 LIGHT_DIRECTIONS[2] = vec3[2](
@@ -106,6 +126,7 @@ const vec3 LIGHT_IRRADIANCES[2] = vec3[2](
     vec3(1e20, 2.5e-1, 0e0)
 );
 ";
-        assert_eq!(text, expected.replace("0.2.0", env!("CARGO_PKG_VERSION")));
+        let expected = expected.replace("0.2.0", env!("CARGO_PKG_VERSION"));
+        assert_eq!(text, expected.replace("AXES", AXES).replace("COLOURS", COLOURS));
     }
 }
