@@ -72,7 +72,7 @@ pub(crate) struct LightsArgs {
     /// Write the results to a file: lights as .csv or .glsl, arrays for a shader, or all as .json; - is CSV on standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Write a picture of a white sphere in the map and under the lights of each sampler, with the differences, as .png
+    /// Write a picture of a white sphere in the map and under the lights of each sampler in the first realization, with the differences and the error, as .png
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
 }
