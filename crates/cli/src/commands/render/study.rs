@@ -257,7 +257,7 @@ impl<'a> Curve<'a> {
 
 fn text(body: &StudyBody) -> String {
     let mut text = table_of(&StudyRecord::columns(), &body.rows);
-    text += "\nreduction: the exact mean squared error of white noise divided by this one. firefly: the largest error of a pixel over the root\nmean square, 4 to 5 for normal errors of equal size, more where\nsizes vary. structured error: 1 for \
+    text += "\nreduction: the exact mean squared error of white noise divided by this one. firefly: the largest error of a pixel over the root\nmean square, 4 to 5 for normal errors of equal size, more where sizes vary. structured error: 1 for \
              independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
              largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
     text += &table_of(&StudyRates::columns(), &body.samplers);
