@@ -61,7 +61,10 @@ pub struct PulledBack<'a> {
 #[derive(Clone)]
 enum Estimate {
     /// A constant, with the variance of rounding.
-    Constant { mean: f64, variance: f64 },
+    Constant {
+        mean: f64,
+        variance: f64,
+    },
     /// Of a polynomial that equals the function to rounding.
     Resolved(Box<SquareEstimate>),
     Cells(Box<CellSpectrum>),

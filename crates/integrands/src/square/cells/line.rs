@@ -1,10 +1,11 @@
 //! Functions of one coordinate as polynomials on nested intervals.
 
 use num_complex::Complex;
-use sphvar_nufft::CircleTransform;
+use sphvar_nufft::{CircleTransform, CircleWorkspace};
 
 use super::rules::{LINE_NODES, MAX_WAVELENGTHS, Rules};
 use crate::Error;
+use crate::square::energy::zeros;
 
 /// The accuracy of Fourier coefficients along an axis, relative to the mean of absolute values.
 const EPSILON: f64 = 1e-10;
@@ -89,19 +90,31 @@ impl LineFunction {
         let mean = integral(&|x| x);
         integral(&|x| (x - mean) * (x - mean))
     }
+}
 
-    /// Returns the Fourier coefficients of k = 0 ..= `kmax`.
+/// The Fourier transform of functions of one coordinate, which the plan makes expensive to prepare.
+pub(super) struct LineTransform {
+    rules: Rules,
+    plan: CircleTransform,
+    workspace: CircleWorkspace,
+}
+
+impl LineTransform {
+    /// Prepares the transform to the frequencies k = 0 ..= `kmax`.
+    pub(super) fn new(kmax: usize) -> Result<Self, Error> {
+        let plan = CircleTransform::new(kmax, EPSILON).map_err(transform_error)?;
+        Ok(Self { rules: Rules::new()?, plan, workspace: CircleWorkspace::default() })
+    }
+
+    /// Returns `|G_k|^2` of all frequencies.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "at most the frequency"
     )]
-    pub(super) fn coefficients(
-        &self,
-        rules: &Rules,
-        kmax: usize,
-    ) -> Result<Vec<Complex<f64>>, Error> {
-        let rule = rules.line();
+    pub(super) fn squares(&mut self, line: &LineFunction) -> Result<Vec<f64>, Error> {
+        let kmax = self.plan.kmax();
+        let rule = self.rules.line();
         let (mut points, mut weights) = (Vec::new(), Vec::new());
         let mut add = |[low, high]: [f64; 2], values: &[f64; LINE_NODES]| {
             let width = high - low;
@@ -110,13 +123,16 @@ impl LineFunction {
                 weights.push(width * w * value);
             }
         };
-        for (ends, values) in &self.panels {
+        for (ends, values) in &line.panels {
             let wavelengths = (ends[1] - ends[0]) * kmax as f64;
             let depth = (wavelengths / MAX_WAVELENGTHS).log2().ceil().max(0.0) as u32;
-            add_parts(rules, *ends, values, depth, &mut add);
+            add_parts(&self.rules, *ends, values, depth, &mut add);
         }
-        let transform = CircleTransform::new(kmax, EPSILON).map_err(transform_error)?;
-        transform.adjoint(&points, Some(&weights)).map_err(transform_error)
+        let mut out: Vec<Complex<f64>> = zeros(kmax + 1)?;
+        self.plan
+            .adjoint_into(&points, Some(&weights), &mut self.workspace, &mut out)
+            .map_err(transform_error)?;
+        Ok(out.iter().map(|c| c.norm_sqr()).collect())
     }
 }
 

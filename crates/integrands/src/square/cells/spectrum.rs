@@ -3,7 +3,7 @@
 use sphvar_nufft::{TorusCoefficients, TorusTransform, TorusWorkspace};
 use sphvar_sh::{Bands, ByAxis, Frequencies, TailClasses};
 
-use super::line::{Intervals, LineFunction, transform_error};
+use super::line::{Intervals, LineFunction, LineTransform, transform_error};
 use super::rules::{LINE_NODES, Rules};
 use super::{Cell, Cells};
 use crate::square::energy::{check_values, zeros};
@@ -28,6 +28,8 @@ const OTHERS: usize = 3;
 #[derive(Clone, Debug)]
 pub(in crate::square) struct CellSpectrum {
     estimates: Vec<Estimate>,
+    /// Another estimate of the variance off the axes, if it differs significantly.
+    other_off: Option<f64>,
     known: Frequencies,
     pub(in crate::square) integral: (f64, f64),
     pub(in crate::square) kurtosis: Option<f64>,
@@ -104,13 +106,11 @@ impl CellSpectrum {
             let variances = ByAxis { off: total - u - v, u, v };
             estimates.push(Estimate { squares: squares.collect(), along_u, along_v, variances });
         }
+        let mut other_off = None;
         if let Variance::Estimate(other, error) = variance {
-            let mut estimate = estimates[0].clone();
-            let excess = other - estimate.variances.sum();
-            if excess.abs() > SIGNIFICANT * error {
-                estimate.variances.off = (estimate.variances.off + excess).max(0.0);
-                estimates.push(estimate);
-            }
+            let own = estimates[0].variances;
+            let excess = other - own.sum();
+            other_off = (excess.abs() > SIGNIFICANT * error).then(|| (own.off + excess).max(0.0));
         }
         let largest = cells.nodes().fold((0.0, [0.5; 2]), |(largest, at), node| {
             if node.value.abs() > largest { (node.value.abs(), node.point) } else { (largest, at) }
@@ -118,6 +118,7 @@ impl CellSpectrum {
         let exceeding = cells.nodes().filter(|node| node.value.abs() > 0.5 * largest.0);
         Ok(Self {
             estimates,
+            other_off,
             known,
             integral: (fields.mean, of_mean),
             kurtosis: quadrature::weighted_kurtosis(|| {
@@ -132,18 +133,19 @@ impl CellSpectrum {
         &self,
         frequencies: &Frequencies,
     ) -> Result<Energy<Frequencies>, Error> {
-        let rules = Rules::new()?;
         let limit = self.known.kmax() as f64;
         let n_bands = if frequencies.kmax() <= self.known.kmax() {
             frequencies.len()
         } else {
             (0..frequencies.len()).take_while(|b| frequencies.radius(*b) <= limit).count()
         };
-        let energies = self.estimates.iter().map(|estimate| {
-            let axis = frequencies.axis_max();
-            let along_u = squares(&estimate.along_u, &rules, axis)?;
+        let axis = frequencies.axis_max();
+        let mut transform = LineTransform::new(axis)?;
+        let mut all = Vec::new();
+        for estimate in &self.estimates {
+            let along_u = transform.squares(&estimate.along_u)?;
             let along_v = match &estimate.along_v {
-                AlongV::Line(line) => squares(line, &rules, axis)?,
+                AlongV::Line(line) => transform.squares(line)?,
                 AlongV::Squares { squares, decay } => {
                     let beyond = (squares.len()..=axis).map(|k| decay / (k as f64).powi(2));
                     squares.iter().copied().chain(beyond).collect()
@@ -151,26 +153,34 @@ impl CellSpectrum {
             };
             let mut per_band = zeros(n_bands)?;
             per_band[0] = self.integral.0.powi(2);
-            for (band, energy) in per_band.iter_mut().enumerate().skip(1) {
-                let k = frequencies.frequency(band);
-                *energy = 2.0
-                    * match k.map(|k| k.unsigned_abs() as usize) {
+            all.push((estimate, along_u, along_v, per_band));
+        }
+        for band in 1..n_bands {
+            let k = frequencies.frequency(band);
+            let [k1, k2] = k.map(|k| k.unsigned_abs() as usize);
+            let off = if k1 == 0 || k2 == 0 { None } else { self.known.band_of(k) };
+            for (estimate, along_u, along_v, per_band) in &mut all {
+                per_band[band] = 2.0
+                    * match [k1, k2] {
                         [k, 0] => along_u[k],
                         [0, k] => along_v[k],
-                        _ => self.known.band_of(k).map_or(0.0, |b| estimate.squares[b]),
+                        _ => off.map_or(0.0, |b| estimate.squares[b]),
                     };
             }
-            Ok(Energy::new(frequencies.clone(), per_band, estimate.variances))
-        });
-        let mut energies = energies.collect::<Result<Vec<_>, Error>>()?;
+        }
+        let energy = |(estimate, _, _, per_band): (&Estimate, _, _, Vec<f64>)| {
+            Energy::new(frequencies.clone(), per_band, estimate.variances)
+        };
+        let mut energies: Vec<_> = all.into_iter().map(energy).collect();
+        if let Some(off) = self.other_off {
+            let centred = ByAxis { off, ..energies[0].centred() };
+            let per_band = energies[0].per_band().to_vec();
+            energies.push(Energy::new(frequencies.clone(), per_band, centred));
+        }
         let energy = energies.remove(0).with_estimates(&energies);
         let (mean, error) = self.integral;
         Ok(energy.with_mean(mean, error))
     }
-}
-
-fn squares(line: &LineFunction, rules: &Rules, kmax: usize) -> Result<Vec<f64>, Error> {
-    Ok(line.coefficients(rules, kmax)?.iter().map(|c| c.norm_sqr()).collect())
 }
 
 impl AlongV {
