@@ -105,7 +105,9 @@ impl<'a> PulledBack<'a> {
         tolerance: Tolerance,
     ) -> Result<Self, Error> {
         let ratio = Ratio::of_one(integrand, domain, warp)?;
-        Self::of_ratio(ratio, tolerance)
+        let tolerance = tolerance.checked()?;
+        let directions = UniformDirections::new(&ratio, tolerance.max_evaluations)?;
+        Self::of_ratio(ratio, &directions, tolerance)
     }
 
     /// Returns the weighted integrand of every strategy; their integrals sum to that of f.
@@ -124,14 +126,20 @@ impl<'a> PulledBack<'a> {
         tolerance: Tolerance,
     ) -> Result<Vec<Self>, Error> {
         let ratios = Ratio::of_all(integrand, domain, strategies, heuristic)?;
-        ratios.into_iter().map(|ratio| Self::of_ratio(ratio, tolerance)).collect()
+        let tolerance = tolerance.checked()?;
+        // All have the same integrand and the same densities.
+        let directions = UniformDirections::new(&ratios[0], tolerance.max_evaluations)?;
+        let of_ratio = |ratio| Self::of_ratio(ratio, &directions, tolerance);
+        ratios.into_iter().map(of_ratio).collect()
     }
 
-    fn of_ratio(ratio: Ratio<'a>, tolerance: Tolerance) -> Result<Self, Error> {
-        let Tolerance { relative, min_evaluations, max_evaluations } = tolerance.checked()?;
+    fn of_ratio(
+        ratio: Ratio<'a>,
+        directions: &UniformDirections,
+        tolerance: Tolerance,
+    ) -> Result<Self, Error> {
+        let Tolerance { relative, min_evaluations, max_evaluations } = tolerance;
         let exact = exact_integral(&ratio);
-        let directions = UniformDirections::new(&ratio)?;
-        directions.check_support(&ratio)?;
         let grid = GridValues::new(&ratio)?;
         if let Some(variance) = grid.variance_of_constant(exact) {
             let estimate = Estimate::Constant { mean: grid.mean, variance };

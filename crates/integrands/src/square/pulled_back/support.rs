@@ -10,8 +10,10 @@ use super::strategy::{Heuristic, Ratio, Strategy};
 use crate::quadrature::finite_values;
 use crate::{Domain, Error, Integrand};
 
-/// The directions at which densities are examined.
-const DIRECTIONS: u32 = 1 << 17;
+/// The numbers of directions at which densities are examined.
+const DIRECTIONS: [usize; 2] = [1 << 13, 1 << 17];
+/// The values on the square for each direction.
+const VALUES_PER_DIRECTION: usize = 8;
 
 impl PulledBack<'_> {
     /// The density relative to the uniform one below which no point of 53 bits reaches a direction.
@@ -32,9 +34,9 @@ impl PulledBack<'_> {
         strategies: &[Strategy],
     ) -> Result<(), Error> {
         let ratios = Ratio::of_all(integrand, domain, strategies, Heuristic::default())?;
-        let check = |ratio: &Ratio<'_>| UniformDirections::new(ratio)?.check_support(ratio);
         // All strategies together support the integral, so one ratio suffices.
-        ratios.first().map_or(Ok(()), check)
+        let Some(ratio) = ratios.first() else { return Ok(()) };
+        UniformDirections::new(ratio, usize::MAX).map(drop)
     }
 }
 
@@ -46,16 +48,20 @@ pub(super) struct UniformDirections {
 }
 
 impl UniformDirections {
-    /// Evaluates the function.
+    /// Evaluates the function at directions whose number is proportional to that of the values on the
+    /// square, and checks that some density is positive where it is not 0.
     ///
     /// # Errors
     ///
-    /// Those of [`Integrand::eval_into`](crate::Integrand::eval_into).
-    pub(super) fn new(ratio: &Ratio<'_>) -> Result<Self, Error> {
+    /// [`Error::ZeroDensity`] with the direction of the largest value that is lost, and those of
+    /// [`Integrand::eval_into`](crate::Integrand::eval_into).
+    pub(super) fn new(ratio: &Ratio<'_>, max_evaluations: usize) -> Result<Self, Error> {
+        let [min, max] = DIRECTIONS;
+        let n = (max_evaluations / VALUES_PER_DIRECTION).clamp(min, max);
         // Points of the plastic lattice (Roberts 2018).
         let height = ratio.domain.area() / TAU;
-        let place = |i: u32, step: f64| (0.5 + f64::from(i) * step).fract();
-        let dirs: Vec<DVec3> = (0..DIRECTIONS)
+        let place = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
+        let dirs: Vec<DVec3> = (0..n)
             .map(|i| {
                 let (u, v) = (place(i, 0.754_877_666_246_692_8), place(i, 0.569_840_290_998_053_2));
                 archimedes(height * u, TAU * v)
@@ -64,15 +70,12 @@ impl UniformDirections {
         let mut values = vec![0.0; dirs.len()];
         let eval_into = |dirs: &[DVec3], values: &mut [f64]| ratio.function_into(dirs, values);
         finite_values(&dirs, &mut values, eval_into, |dir| format!("direction {dir}"))?;
-        Ok(Self { dirs, values })
+        let directions = Self { dirs, values };
+        directions.check_support(ratio)?;
+        Ok(directions)
     }
 
-    /// Checks that some density is positive where the function is not 0.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ZeroDensity`] with the direction of the largest value that is lost.
-    pub(super) fn check_support(&self, ratio: &Ratio<'_>) -> Result<(), Error> {
+    fn check_support(&self, ratio: &Ratio<'_>) -> Result<(), Error> {
         if ratio.strategies().iter().any(|s| is_positive(&*s.warp, ratio.domain)) {
             return Ok(());
         }
