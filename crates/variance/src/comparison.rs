@@ -21,6 +21,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// The square of the rounding of a mean and of an exact integral, relative to that of the
+    /// deviations of estimates, which share the roundings of a density and of the integral: 1e-13
+    /// of the function.
+    const BIAS_ROUNDING: f64 = 128.0 * 128.0;
+
     /// Returns the relative error of the measured variance, from the trials and the known moments
     /// of the integrand.
     #[must_use]
@@ -103,7 +108,8 @@ impl Comparison {
     ///
     /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr). r is the
     /// relative standard error of the measured s^2 if V is right: the exact one for independent
-    /// points and an integrand of known kurtosis, otherwise [`RelativeError::at`]. With `s^2 r`
+    /// points and an integrand of known kurtosis, otherwise [`RelativeError::at`] and at least that
+    /// of values that few sets hit. With `s^2 r`
     /// instead of `V r` the score would be biased to negative values, as small measured variances
     /// have small measured errors. NaN if too few trials hit the integrand.
     #[must_use]
@@ -125,7 +131,7 @@ impl Comparison {
         // The norm of a mean with errors is larger than that of the integrals.
         let is_testable = !self.has_too_few_hits() && !self.measurement.is_of_vector();
         let exact = self.exact.filter(|_| is_testable)?;
-        Some(self.measurement.bias(exact, self.rounding))
+        Some(self.measurement.bias(exact, Self::BIAS_ROUNDING * self.rounding))
     }
 
     /// Returns the measured variance at its number of points, for rates and crossovers. The
@@ -149,8 +155,10 @@ impl Comparison {
     /// the prediction is 0, the error from the trials alone.
     fn expected_error(&self) -> f64 {
         let ratio = self.prediction.variance / self.measurement.variance();
-        let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
-        self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
+        let trials = self.measurement.estimates().len();
+        let rare = self.known.rare_error(self.prediction.variance, trials);
+        let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 }).max(rare);
+        self.known.exact_error(trials).unwrap_or_else(by_trials)
     }
 
     /// Returns the predicted variance at its number of points, with the same conventions.

@@ -12,8 +12,10 @@ use crate::{Measurement, RelativeError, rarest_seen};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnownMoments {
     /// The number N of equally weighted points whose sum has the same kurtosis if single points hit
-    /// the integrand: [`equal_points`] of given sets, otherwise the number of points.
+    /// the integrand: [`SumsOfWeights::equal_points`] of given sets, otherwise the number of points.
     pub(crate) n_points: f64,
+    /// The variance of the estimate from independent points with the weights of the sets.
+    pub(crate) independent_variance: f64,
     /// The variance of the estimate from a single point.
     pub(crate) one_point_variance: f64,
     /// The kurtosis of the integrand's values.
@@ -54,6 +56,7 @@ impl KnownMoments {
         let pairs = 3.0 * (squares - sum(&|part| relative(part).powi(2)));
         Self {
             n_points: of_sets.powi(2) / sum(&quartic),
+            independent_variance: parts.iter().map(|part| part.independent_variance).sum(),
             one_point_variance: sum(&|part| part.one_point_variance),
             kurtosis: is_known.then(|| sum(&with_kurtosis) / sum(&quartic)),
             one_point_kurtosis: is_known.then(|| (fourth + pairs) / squares),
@@ -71,24 +74,49 @@ impl KnownMoments {
     }
 
     /// Returns the error measured from trials, but at least the known one: that of
-    /// [`exact_error`](Self::exact_error), otherwise `(k/N - 3)/n` from the kurtosis of a sum over
-    /// N points of which at most about one hits the integrand.
+    /// [`exact_error`](Self::exact_error), otherwise that of [`rare_error`](Self::rare_error).
     pub(crate) fn error(&self, measurement: &Measurement) -> RelativeError {
         let trials = measurement.estimates().len();
-        let rare = |k: f64| ((k / self.n_points - 3.0).max(0.0) / trials as f64).sqrt();
-        let known = self.exact_error(trials).or(self.kurtosis.map(rare)).unwrap_or(0.0);
-        measurement.relative_error().at_least(known)
+        let rare = || self.rare_error(measurement.variance(), trials);
+        measurement.relative_error().at_least(self.exact_error(trials).unwrap_or_else(rare))
     }
 
-    /// Returns the number of trials at which the known error is `relative`.
+    /// Returns the relative standard error that values hit by few sets give the variance of n
+    /// estimates, if the true variance is V: `r^2 = e/n` for their excess kurtosis e
+    /// ([`rare_excess`](Self::rare_excess)).
+    pub(crate) fn rare_error(&self, variance: f64, trials: usize) -> f64 {
+        (self.rare_excess(variance) / trials as f64).sqrt()
+    }
+
+    /// Returns the excess kurtosis of estimates of the variance V that is due to values hit by at
+    /// most about one of N points, which have the fourth moment of independent points:
+    ///
+    /// ```text
+    /// e = k/N (V_0/V)^2 - 3   for k > 3 N,   otherwise 0
+    /// ```
+    ///
+    /// V_0 is the variance with independent points. Stratification reduces V by the broad part of
+    /// an integrand, but not the fourth moment, so the rare values decide about what is left. A
+    /// variance above V_0 counts as V_0.
+    fn rare_excess(&self, variance: f64) -> f64 {
+        let Some(of_independent) = self.kurtosis.map(|k| k / self.n_points).filter(|k| *k > 3.0)
+        else {
+            return 0.0;
+        };
+        // Without a variance there is nothing to compare with.
+        let reduction = self.independent_variance / variance;
+        let reduction = if reduction.is_finite() { reduction.max(1.0) } else { 1.0 };
+        of_independent * reduction * reduction - 3.0
+    }
+
+    /// Returns the number of trials at which the known error of a variance is `relative`.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "the cast saturates, and NaN needs no trials"
     )]
-    pub(crate) fn trials_for(&self, relative: f64) -> u64 {
-        let excess = self.kurtosis.map_or(0.0, |k| (k / self.n_points - 3.0).max(0.0));
-        (excess / (relative * relative)) as u64
+    pub(crate) fn trials_for(&self, relative: f64, variance: f64) -> u64 {
+        (self.rare_excess(variance) / (relative * relative)) as u64
     }
 
     /// Returns the 97.5 % upper limit of the variance where all trials gave the same estimate,
@@ -112,28 +140,40 @@ impl KnownMoments {
     }
 }
 
-/// Returns the number N of equally weighted points for which the mean of rarely hit values has the
-/// kurtosis k/N that it has for one of the given sets, drawn uniformly:
-///
-/// ```text
-/// N = (mean_sets sum_i w_i^2)^2/mean_sets sum_i w_i^4,   sum_i w_i = 1
-/// ```
-///
-/// over the different points i of a set, as coincident points are hit together. It is the number of
-/// points for sets of equally many, equally weighted and different ones, and close to 1 where one
-/// weight exceeds all others together. Returns `None` without sets.
-pub(crate) fn equal_points<S: IntegrationSpace>(sets: &[PointSet<S::Point>]) -> Option<f64> {
-    if sets.is_empty() {
-        return None;
+/// The mean sums of powers of the weights of given sets, one of which is drawn uniformly: over the
+/// different points of a set, as coincident points are hit together, and with `sum_i w_i = 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SumsOfWeights {
+    /// `mean_sets sum_i w_i^2`, the variance of the mean of independent values of variance 1.
+    pub(crate) squares: f64,
+    fourths: f64,
+}
+
+impl SumsOfWeights {
+    /// Returns the sums of sets; `None` without sets.
+    pub(crate) fn of<S: IntegrationSpace>(sets: &[PointSet<S::Point>]) -> Option<Self> {
+        if sets.is_empty() {
+            return None;
+        }
+        let (mut squares, mut fourths) = (0.0, 0.0);
+        for set in sets {
+            let weights = weights_of_places::<S>(set);
+            let sum: f64 = weights.iter().sum();
+            squares += weights.iter().map(|w| (w / sum).powi(2)).sum::<f64>();
+            fourths += weights.iter().map(|w| (w / sum).powi(4)).sum::<f64>();
+        }
+        let count = sets.len() as f64;
+        Some(Self { squares: squares / count, fourths: fourths / count })
     }
-    let (mut squares, mut fourths) = (0.0, 0.0);
-    for set in sets {
-        let weights = weights_of_places::<S>(set);
-        let sum: f64 = weights.iter().sum();
-        squares += weights.iter().map(|w| (w / sum).powi(2)).sum::<f64>();
-        fourths += weights.iter().map(|w| (w / sum).powi(4)).sum::<f64>();
+
+    /// Returns the number N of equally weighted points for which the mean of rarely hit values has
+    /// the kurtosis k/N that it has for the sets, `N = (mean sum_i w_i^2)^2/mean sum_i w_i^4`.
+    ///
+    /// It is the number of points for sets of equally many, equally weighted and different ones,
+    /// and close to 1 where one weight exceeds all others together.
+    pub(crate) fn equal_points(self) -> f64 {
+        self.squares * self.squares / self.fourths
     }
-    Some(squares * squares / (fourths * sets.len() as f64))
 }
 
 /// Returns the total weights of the different points of a set, relative to the largest weight.
@@ -152,11 +192,12 @@ fn weights_of_places<S: IntegrationSpace>(set: &PointSet<S::Point>) -> Vec<f64> 
 mod tests {
     use sphvar_samplers::{PointSet, Square};
 
-    use super::{KnownMoments, equal_points};
+    use super::{KnownMoments, SumsOfWeights};
 
     fn one_value(variance: f64, kurtosis: f64) -> KnownMoments {
         KnownMoments {
             n_points: 1.0,
+            independent_variance: variance,
             one_point_variance: variance,
             kurtosis: Some(kurtosis),
             one_point_kurtosis: Some(kurtosis),
@@ -198,7 +239,9 @@ mod tests {
 
     #[test]
     fn equal_points_follow_from_the_fourth_powers_of_weights() {
-        let of = |sets: &[PointSet<[f64; 2]>]| equal_points::<Square>(sets);
+        let of = |sets: &[PointSet<[f64; 2]>]| {
+            SumsOfWeights::of::<Square>(sets).map(SumsOfWeights::equal_points)
+        };
         assert_eq!(of(&[]), None);
         let close = |sets: &[PointSet<[f64; 2]>], expected: f64| {
             let got = of(sets).unwrap();
@@ -231,6 +274,34 @@ mod tests {
                 assert!((known.limit_unseen(n, None) - p * (1.0 - p)).abs() < 1e-15);
             }
         }
+    }
+
+    /// A value c of probability p beside a function of variance b^2 that stratification integrates
+    /// without error. Of N points at most one hits the value, so the sum has the variance
+    /// `p c^2/N` and the kurtosis `1/(N p)`, up to the order of `N p`.
+    #[test]
+    fn stratification_leaves_the_fourth_moment_of_rare_values() {
+        let (p, n, trials) = (1e-6f64, 50.0, 1000);
+        for (value, broad) in [(2000.0f64, 0.0f64), (2000.0, 3.0), (200.0, 1.0)] {
+            let rare = p * value.powi(2);
+            let variance = rare + broad.powi(2);
+            let kurtosis = p * value.powi(4) / variance.powi(2);
+            let independent_variance = variance / n;
+            let one = one_value(variance, kurtosis);
+            let of = KnownMoments { n_points: n, independent_variance, ..one };
+            let expected = (1.0 / (n * p) - 3.0) / trials as f64;
+            if kurtosis > 3.0 * n {
+                let got = of.rare_error(rare / n, trials).powi(2);
+                assert!((got / expected - 1.0).abs() < 1e-3, "{value}, {broad}: {got}, {expected}");
+            }
+            // A clumped pattern has at least the error of independent points.
+            let independent = of.rare_error(independent_variance, trials);
+            assert_eq!(of.rare_error(10.0 * independent_variance, trials), independent);
+            assert_eq!(of.rare_error(0.0, trials), independent);
+        }
+        // All sets hit values of a small kurtosis, whatever their variance.
+        let hit = KnownMoments { n_points: n, ..one_value(1.0, 100.0) };
+        assert_eq!((hit.rare_error(1e-9, trials), hit.trials_for(0.1, 1e-9)), (0.0, 0));
     }
 
     /// Binomial counts: Var s^2 of a single point follows from the moments for p (1 - p),

@@ -4,7 +4,7 @@ use sphvar_samplers::{Domain, Progress, Purpose, Sampler};
 use sphvar_sh::Bands;
 
 use crate::estimates::{estimates, trial_work_of};
-use crate::known_moments::{KnownMoments, equal_points};
+use crate::known_moments::{KnownMoments, SumsOfWeights};
 use crate::space::IntegrationSpace;
 use crate::stopping::until;
 use crate::{Comparison, Error, Measurement, Precision, Prediction, PredictorOn};
@@ -159,10 +159,14 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
     }
 
     fn known_moments(&self, sampler: S::SamplerRef<'_>) -> KnownMoments {
+        let n_points = S::n_points(sampler);
+        let weights = SumsOfWeights::of::<S>(S::given_sets(sampler));
+        let variance = self.energy().bands().factor(1) * self.energy().beyond(0);
+        let squares = weights.map_or((n_points as f64).recip(), |weights| weights.squares);
         KnownMoments {
-            n_points: equal_points::<S>(S::given_sets(sampler))
-                .unwrap_or(S::n_points(sampler) as f64),
-            one_point_variance: self.energy().bands().factor(1) * self.energy().beyond(0),
+            n_points: weights.map_or(n_points as f64, SumsOfWeights::equal_points),
+            independent_variance: variance * squares,
+            one_point_variance: variance,
             kurtosis: self.kurtosis(),
             one_point_kurtosis: self.kurtosis(),
             is_independent: S::is_independent(sampler),
@@ -220,7 +224,8 @@ impl Experiment {
         let measurement = match trials.until.filter(|_| is_visible) {
             None => Measurement::new(source(0..trials.count)?),
             Some(target) => {
-                let start = trials.count.max(self.known.trials_for(target.relative));
+                let known = self.known.trials_for(target.relative, prediction.variance);
+                let start = trials.count.max(known.min(target.max_trials));
                 progress.expect((start - trials.count) as f64 * self.work);
                 until(source, self.work, start, target, progress)?
             }
