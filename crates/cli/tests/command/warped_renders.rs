@@ -136,8 +136,8 @@ fn exposure_is_a_percentile_of_the_lit_pixels() {
     let automatic = bright("");
     assert!((0.008..0.02).contains(&automatic), "{automatic}");
     assert!((bright("--white 99%") - automatic).abs() < 1e-12);
-    let most = bright("--white 60%");
-    assert!((0.39..0.43).contains(&most), "{most}");
+    let upper = bright("--white 60%");
+    assert!((0.39..0.43).contains(&upper), "{upper}");
     assert!(bright("--white 100%") < 0.005 && bright("--white 9") < 1e-12);
 }
 
