@@ -18,7 +18,8 @@ pub(super) struct TimedCandidate<P: Choosable> {
     pub(super) seconds_in_all: Option<f64>,
 }
 
-/// Expensive patterns are tried with at most this multiple of the best pattern's number of points.
+/// Expensive and warped patterns are tried with at most this multiple of the best pattern's number
+/// of points.
 /// With the largest alpha, sqrt(2), half of the points of alpha = 1 have the same empty degrees, so
 /// a design that is behind with its default alpha is behind with every alpha.
 pub(super) const MAX_FACTOR: usize = 4;
@@ -29,7 +30,7 @@ pub(super) const EXPENSIVE: f64 = 30.0;
 
 impl<P: Choosable> TimedCandidate<P> {
     /// Returns the pattern unchanged. If `best`, the number of points of the best pattern, is given,
-    /// an expensive one is tried with at most four times as many.
+    /// an expensive or warped one is tried with at most four times as many.
     pub(super) fn new(
         pattern: P,
         best: Option<usize>,
@@ -39,7 +40,9 @@ impl<P: Choosable> TimedCandidate<P> {
     ) -> Result<Self, CliError> {
         let max_points = question.max_points();
         let needed = best.map_or(usize::MAX, |best| best.saturating_mul(MAX_FACTOR));
-        if needed < max_points && P::nominal_work(&pattern, needed) >= EXPENSIVE * needed as f64 {
+        let is_limited =
+            P::IS_LIMITED || P::nominal_work(&pattern, needed) >= EXPENSIVE * needed as f64;
+        if needed < max_points && is_limited {
             let curve = PredictedCurve::new(pattern);
             let found = Self::answering(curve, needed, question, predictor, seed)?;
             return Ok(Self { is_behind: found.answer.n_points.is_none(), ..found });

@@ -57,6 +57,8 @@ pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
     type Point: PredictedVariance;
     /// What predicts the variances of patterns of this kind.
     type Predictor<'a>: CurvePredictor<Self, Point = Self::Point>;
+    /// Whether predictions for many points are expensive even where sets are not.
+    const IS_LIMITED: bool = false;
 
     /// Returns the name in tables.
     fn label(&self) -> String;

@@ -19,7 +19,7 @@ pub(super) struct Contest<'a> {
     /// Whether the user named the samplers. These are kept unchanged, however far behind they are.
     is_named: bool,
     progress: &'a Progress,
-    /// The minimum variance.
+    /// The minimum variance of densities that are not the integrand itself.
     min_variance: f64,
     /// The minimum number of points.
     min_points: Option<usize>,
@@ -63,9 +63,9 @@ impl<'a> Contest<'a> {
             Ok(candidate) => {
                 let white = |n: usize| white(predictor, n);
                 let row = Row::new(&candidate, &self.question, predictor, &white);
-                self.min_variance = row
-                    .variance
-                    .map_or(self.min_variance, |(variance, _)| self.min_variance.min(variance));
+                if let (Some((variance, _)), None) = (row.variance, row.known_to) {
+                    self.min_variance = self.min_variance.min(variance);
+                }
                 if row.record.basis == "predicted" {
                     self.min_points = row.record.n.into_iter().chain(self.min_points).min();
                 }

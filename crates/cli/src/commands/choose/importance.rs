@@ -26,6 +26,7 @@ pub(super) struct Importance<'a> {
 impl Choosable for WarpedPattern {
     type Point = WarpedPoint;
     type Predictor<'a> = Importance<'a>;
+    const IS_LIMITED: bool = true;
 
     fn label(&self) -> String {
         Self::label(self)

@@ -6,16 +6,19 @@ use sphvar_integrands::{
 use sphvar_samplers::SquarePattern;
 use sphvar_variance::{PredictionBudget, WarpedPattern, WarpedPredictor, best_shares};
 
-use super::choosable::square_patterns;
+use super::candidate::EXPENSIVE;
+use super::choosable::{Choosable, Density, square_patterns};
 use super::contest::Contest;
 use super::importance::Importance;
+use super::row::Row;
 use crate::error::CliError;
 use crate::integrands::strategies_of;
 use crate::progress::Progress;
 
 /// The patterns of the square that are ranked with every density, inexpensive ones of different kinds.
 const FIRST: [&str; 3] = ["sobol", "r2", "jittered-square"];
-/// The number of densities, those of the best rows, that are ranked with all patterns of the square.
+/// The number of densities, those of the best rows, that are ranked with all inexpensive
+/// patterns of the square.
 const BEST_DENSITIES: usize = 2;
 /// The number of points for which shares are found if the user gives none.
 const TYPICAL_POINTS: usize = 1024;
@@ -51,14 +54,22 @@ impl<'a> WarpedIntegral<'a> {
         progress: &Progress,
         white: &dyn Fn(usize) -> f64,
     ) -> Result<(), CliError> {
-        let mut pending = named;
-        while let Some(first) = pending.first().cloned() {
-            let same = |p: &WarpedPattern| (&p.warp, p.heuristic) == (&first.warp, first.heuristic);
-            let (patterns, others) = pending.into_iter().partition(same);
-            pending = others;
-            let patterns: Vec<WarpedPattern> = patterns;
+        let mut groups: Vec<Vec<WarpedPattern>> = Vec::new();
+        for pattern in named {
+            let same = |group: &&mut Vec<WarpedPattern>| {
+                let WarpedPattern { warp, heuristic, .. } = &group[0];
+                (warp, *heuristic) == (&pattern.warp, pattern.heuristic)
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.push(pattern),
+                None => groups.push(vec![pattern]),
+            }
+        }
+        let warps: Vec<&WarpExpression> = groups.iter().map(|group| &group[0].warp).collect();
+        let strategies = strategies_of(&warps, self.domain, self.quiet)?;
+        for (patterns, strategies) in groups.into_iter().zip(strategies) {
             let share = patterns.len() as f64;
-            match self.pulled_back(&first)? {
+            match self.pulled_back(&patterns[0], strategies) {
                 Ok(pulled) => pulled.add(self, contest, patterns, white)?,
                 Err(reason) => {
                     for pattern in patterns {
@@ -72,7 +83,7 @@ impl<'a> WarpedIntegral<'a> {
     }
 
     /// Adds patterns with the densities that are proposed for an integrand: three with each, and all
-    /// patterns of the square with the two densities that are best with those. Several densities have
+    /// inexpensive patterns of the square with the two densities that are best with those. Several densities have
     /// the best shares.
     pub(super) fn add_proposed(
         &self,
@@ -83,11 +94,20 @@ impl<'a> WarpedIntegral<'a> {
     ) -> Result<(), CliError> {
         let first: Vec<SquarePattern> = FIRST.iter().filter_map(|name| name.parse().ok()).collect();
         let mut pulled_back = Vec::new();
-        for warp in WarpExpression::proposed(integrand, self.domain) {
+        let warps = WarpExpression::proposed(integrand, self.domain);
+        let all = self.strategies(&warps);
+        for (warp, strategies) in warps.into_iter().zip(all) {
             let pattern =
                 WarpedPattern { pattern: first[0].clone(), warp, heuristic: Heuristic::default() };
             progress.stage(&pattern.label());
-            match self.with_best_shares(contest, pattern.clone()) {
+            let is_reached = |row: &Row| row.density == Density::Uniform && row.variance.is_some();
+            if pattern.density() == Density::Uniform && !contest.rows.iter().any(is_reached) {
+                let reason = "no pattern of uniform directions is within reach".to_owned();
+                contest.leave_out(pattern.to_string(), pattern.label(), reason);
+                continue;
+            }
+            let pulled = strategies.and_then(|s| self.with_best_shares(contest, &pattern, s));
+            match pulled {
                 Ok(pulled) => {
                     let start = contest.rows.len();
                     let patterns = first.iter().map(|p| pulled.pattern(p.clone())).collect();
@@ -104,8 +124,12 @@ impl<'a> WarpedIntegral<'a> {
         }
         pulled_back.sort_by(|a, b| a.0.total_cmp(&b.0));
         let within_reach = pulled_back.iter().filter(|(merit, _)| merit.is_finite());
+        let typical = contest.question.points().unwrap_or(TYPICAL_POINTS);
+        let is_inexpensive =
+            |p: &SquarePattern| p.nominal_work(typical) < EXPENSIVE * typical as f64;
         for (_, pulled) in within_reach.take(BEST_DENSITIES) {
-            let patterns = square_patterns().into_iter().map(|p| pulled.pattern(p)).collect();
+            let patterns = square_patterns().into_iter().filter(is_inexpensive);
+            let patterns = patterns.map(|p| pulled.pattern(p)).collect();
             pulled.add(self, contest, patterns, white)?;
         }
         Ok(())
@@ -116,13 +140,13 @@ impl<'a> WarpedIntegral<'a> {
     fn with_best_shares(
         &self,
         contest: &Contest<'_>,
-        pattern: WarpedPattern,
+        pattern: &WarpedPattern,
+        strategies: Vec<Strategy>,
     ) -> Result<Pulled<'a>, String> {
         if pattern.n_strategies() == 1 {
-            return self.pulled_back(&pattern).map_err(|e| e.to_string())?;
+            return self.pulled_back(pattern, strategies);
         }
         let n = contest.question.points().unwrap_or(TYPICAL_POINTS);
-        let strategies = self.strategies(&pattern).map_err(|e| e.to_string())?;
         let mut variance = |pattern: &WarpedPattern| {
             let strategies = with_shares(&strategies, pattern);
             let functions = self.functions(&strategies, pattern.heuristic, SEARCH)?;
@@ -131,28 +155,33 @@ impl<'a> WarpedIntegral<'a> {
             let point = predictor.predict(pattern, pattern.nearest_count(n), &())?;
             Ok(point.prediction.variance)
         };
-        let (best, _) = best_shares(&pattern, &mut variance).map_err(|e| e.to_string())?;
-        let strategies = with_shares(&strategies, &best);
-        let functions = self.functions(&strategies, best.heuristic, PulledBack::TOLERANCE);
-        let functions = functions.map_err(|e| e.to_string())?;
-        Ok(Pulled { warp: best.warp, heuristic: best.heuristic, strategies, functions })
+        let (best, _) = best_shares(pattern, &mut variance).map_err(|e| e.to_string())?;
+        self.pulled_back(&best, with_shares(&strategies, &best))
     }
 
     /// Returns the function pulled back by the densities of a pattern, or the reason why it cannot be.
-    fn pulled_back(&self, pattern: &WarpedPattern) -> Result<Result<Pulled<'a>, String>, CliError> {
-        let strategies = self.strategies(pattern)?;
+    fn pulled_back(
+        &self,
+        pattern: &WarpedPattern,
+        strategies: Vec<Strategy>,
+    ) -> Result<Pulled<'a>, String> {
         let functions = self.functions(&strategies, pattern.heuristic, PulledBack::TOLERANCE);
-        let pulled = |functions| Pulled {
-            warp: pattern.warp.clone(),
-            heuristic: pattern.heuristic,
-            strategies,
-            functions,
-        };
-        Ok(functions.map(pulled).map_err(|error| error.to_string()))
+        let functions = functions.map_err(|error| error.to_string())?;
+        let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
+        Ok(Pulled { warp, heuristic, strategies, functions })
     }
 
-    fn strategies(&self, pattern: &WarpedPattern) -> Result<Vec<Strategy>, CliError> {
-        Ok(strategies_of(&[&pattern.warp], self.domain, self.quiet)?.remove(0))
+    /// Returns the densities of warps, or the reason why one is not available.
+    fn strategies(&self, warps: &[WarpExpression]) -> Vec<Result<Vec<Strategy>, String>> {
+        let all: Vec<&WarpExpression> = warps.iter().collect();
+        if let Ok(all) = strategies_of(&all, self.domain, self.quiet) {
+            return all.into_iter().map(Ok).collect();
+        }
+        let of_one = |warp| {
+            let one = strategies_of(&[warp], self.domain, true);
+            one.map(|mut one| one.remove(0)).map_err(|error| error.to_string())
+        };
+        warps.iter().map(of_one).collect()
     }
 
     fn functions(
