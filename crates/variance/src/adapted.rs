@@ -146,6 +146,7 @@ impl Predictor<'_> {
             prediction_rounding: 0.0,
             known: KnownMoments {
                 n_points: n_points as f64,
+                independent_variance: f64::INFINITY,
                 one_point_variance: f64::INFINITY,
                 kurtosis: None,
                 one_point_kurtosis: None,
