@@ -2,6 +2,7 @@
 
 mod patterns;
 mod predictions;
+mod rare_values;
 mod strategies;
 mod trials;
 
