@@ -58,7 +58,10 @@ warp= maps a pattern of the unit square to directions of a density p (sphvar lis
 sobol:warp=cosine, or sobol:warp=\"env:FILE * cosine\". Points have the weights 1/(N p), and the variance is predicted on the unit \
 square, from the integrand f divided by p. A sum of warps is multiple importance sampling: \
 sobol:warp=\"0.3 * cosine + 0.7 * env:FILE\",heuristic=balance|power, with the numbers as shares of N, has independent points \
-for each. max f/p is the largest known ratio; if few trials have a point near it, the measured variance is uncertain.";
+for each. max f/p is the largest known ratio; if few trials have a point near it, the measured variance is uncertain.
+
+ccvt:density=WARP[,capacity=64] has the sites of tessellations into cells of equal mass. They are measured with the weights \
+1/(N p) too, but nothing predicts their variance, and estimates are biased.";
 
 #[derive(Debug, Args)]
 #[command(

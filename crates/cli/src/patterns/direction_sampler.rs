@@ -91,7 +91,7 @@ pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler,
 }
 
 /// Why tessellations for a density have no prediction.
-pub(crate) const UNPREDICTED: &str = "its sites are neither homogeneous nor the image of a pattern of the square, so no spectrum predicts its variance";
+pub(crate) const UNPREDICTED: &str = "its sites are neither homogeneous nor the image of a pattern of the square, so no spectrum predicts its variance, and its estimates are biased";
 
 /// Returns an error after the text that it is about, unless it contains that.
 fn with_text(text: &str, error: &Error) -> String {

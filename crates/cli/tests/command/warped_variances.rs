@@ -188,7 +188,7 @@ fn remarks_on_maps_are_printed_once() {
     let warps = "sobol:warp=env:sky.exr,r2:warp=\"env:sky.exr,interpolation=constant\"";
     let map = "--integrand env:sky.exr";
     for arguments in [
-        format!("variance jittered,{warps} -n 4 -m 4 {map}"),
+        format!("variance fibonacci,{warps} -n 4 -m 4 {map}"),
         format!("variance {warps} -n 4 -m 4 {map},channel=rgb"),
         format!("compare {warps} -n 4 -m 4 {map}"),
         format!("choose -n 4 --samplers white-noise,{warps} {map}"),

@@ -57,6 +57,9 @@ impl<'a> Curve<'a> {
             let stderr = ratio * point.stderr / point.variance;
             (ratio.is_finite() && stderr.is_finite()).then_some((ratio, stderr))
         };
+        // A variance without a prediction is that of biased estimates.
+        let is_biased = last.comparison.prediction.is_unknown();
+        let reduction = |point| reduction(point).filter(|_| !is_biased);
         let best_reduction = reduction(last.comparison.best_point());
         let measured_reduction = reduction(last.comparison.measured_point());
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
