@@ -12,7 +12,7 @@ use super::strategy_group;
 /// [`WarpedPredictor`](super::WarpedPredictor).
 ///
 /// An integral is estimated by `sum_k w_k f(s_k)`, with the weights 1/(N p) of one density, and
-/// w_i/(N_i p_i) of several. Other than for quadrature rules, they are not divided by their sum,
+/// `w_i/(N_i p_i)` of several. Other than for quadrature rules, they are not divided by their sum,
 /// which is a random number with the mean 4 pi (2 pi on the hemisphere) if the densities cover the
 /// domain.
 ///

@@ -55,7 +55,7 @@ impl WarpedText {
         let is_warp = !after.is_empty() && warp.parse::<WarpExpression>().is_ok();
         let separator = if at == 0 { "" } else { ":" };
         let pattern = format!("{name}{separator}{}", items[..at].join(","));
-        is_warp.then(|| Self { pattern, warp, heuristic: self.heuristic })
+        is_warp.then_some(Self { pattern, warp, heuristic: self.heuristic })
     }
 }
 
