@@ -90,10 +90,8 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     }
     AtomicFile::check(path)?;
     let counts = args.counts.counts.as_ref().map_or(&[DEFAULT_COUNT][..], |counts| counts.all());
-    let panels: Result<Vec<_>, CliError> = Spec::parse_list(panels)?
-        .iter()
-        .map(|spec| sampler(args, &spec.text, global))
-        .collect();
+    let panels: Result<Vec<_>, CliError> =
+        Spec::parse_list(panels)?.iter().map(|spec| sampler(args, &spec.text, global)).collect();
     let panels = panels?;
     let samplers = || panels.iter().flatten();
     args.check_mode(samplers())?;
