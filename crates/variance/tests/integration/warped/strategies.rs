@@ -219,6 +219,25 @@ fn the_best_shares_are_those_of_all_shares() {
     assert!((best.warp.shares().iter().sum::<f64>() - 1.0).abs() < 1e-12);
 }
 
+/// A merit with a shallow minimum at equal shares and a deep one at the end, of two and of three
+/// warps.
+#[test]
+fn the_search_of_shares_leaves_local_minima() {
+    for (text, least) in [("cosine + cylinder", 0.95), ("cosine + cylinder + octahedral", 0.9)] {
+        let n_warps = text.split('+').count();
+        for main in 0..n_warps {
+            let mut merit = |pattern: &WarpedPattern| {
+                let share = pattern.warp.shares()[main];
+                Ok((share - 1.0 / n_warps as f64).abs().min(3.0 * (least - share) - 0.1))
+            };
+            let pattern = warped(&format!("sobol:warp=\"{text}\""));
+            let (best, got) = best_shares(&pattern, &mut merit).unwrap();
+            assert!((best.warp.shares()[main] - least).abs() < 1e-12, "{best}");
+            assert!((got + 0.1).abs() < 1e-12, "{best}: {got}");
+        }
+    }
+}
+
 /// Several strategies are ranked with single ones.
 #[test]
 fn several_strategies_have_curves_and_required_points() {
