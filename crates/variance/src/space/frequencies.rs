@@ -89,6 +89,11 @@ fn lattice_frequencies(
         if realization_work::<Square>(sampler, &more) > budget.work {
             break;
         }
+        // Energies that are not known off the axes end there on the axes too, which extend further.
+        let last = predictor.energies_to(&more)?.lmax();
+        if more.radius(last) < all.radius(all.len() - 1) {
+            break;
+        }
         all = more;
     }
     Ok(all)
