@@ -47,19 +47,22 @@ scales with the ratio of standard deviation and mean of your function.
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
 rotations of the pattern, or shifts of a pattern of the square. Predictions come from spectra, in closed form or estimated until the variance is \
-known to 2 %; they are those of variance and compare. Predictions that serve only to fit rates are \
-known to about 6 %. With --error, expensive and warped patterns are not tried with more than 4 times the points of the best; with -n, not at all \
+known to 2 %, where that is affordable; column +- states the error, which may be larger for patterns mapped to densities. They are those of variance and compare. Predictions that serve only to fit rates are \
+known to about 6 %. Rows whose variance is not known to 25 % are recommended only where no other is. \
+With --error, expensive and warped patterns are not tried with more than 4 times the points of the best; with -n, not at all \
 where importance sampling has less than a quarter of the variance of all inexpensive uniform ones. \
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
 states. Where step or blue with another alpha would be better than all other samplers, it is shown with that alpha. \
-The seconds per set are measured on one core, the median of up to five.
+The seconds per set are measured on one core, the median of up to five; which sampler is the least expensive follows \
+from the nominal work of a set, because measured times vary.
 
 Beside the patterns of the sphere, whose directions are uniform, it ranks patterns of the square that are mapped to \
 directions of a density (importance sampling), as sobol:warp=cosine: the uniform maps, the cosine, and densities that \
 resemble the integrand, such as env:FILE * cosine for a map times the cosine. Of each density it tries three patterns, \
-sobol, r2 and jittered-square; of the two densities that are best with these, all inexpensive patterns of the square. Several \
+sobol, r2 and jittered-square; of the two densities that are best with these, all inexpensive patterns of the square; one row of the table stands for all \
+patterns of a density that are no better than independent points. Several \
 densities (multiple importance sampling, \"0.3 * cosine + 0.7 * env:FILE\") have the shares of the points that give the \
-least variance, in steps of 5 %. Where a density is the integrand itself, f/p is constant and its normalization is the \
+least variance, in steps of 5 %; where you name a sampler with several densities, such a row is added. Where a density is the integrand itself, f/p is constant and its normalization is the \
 integral: such rows, with the basis \"known integral\", have next to no error and are not recommended, since nobody \
 would sample a known integral. They say what remains where unknown factors, such as visibility, are ignored; \
 the best of the other densities, such as texels of constant density, shows what an approximate density achieves.

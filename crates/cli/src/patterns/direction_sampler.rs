@@ -45,7 +45,10 @@ impl DirectionSampler {
     fn use_long_label(&mut self) {
         match self {
             Self::Uniform(pattern) => pattern.use_long_label(),
-            Self::Warped(warped) => warped.pattern.use_long_label(),
+            Self::Warped(warped) => {
+                warped.pattern.use_long_label();
+                warped.has_long_label = true;
+            }
             Self::Adapted(_) => {}
         }
     }

@@ -17,7 +17,7 @@ const SAMPLE: f64 = 34.0;
 const SAMPLE_GAP: f64 = 8.0;
 const COLUMN_GAP: f64 = 22.0;
 /// Longer names are shortened, in units.
-const MAX_LABEL: f64 = 250.0;
+const MAX_LABEL: f64 = 420.0;
 
 /// The positions of the entries of a legend.
 pub(super) struct Legend<'a> {

@@ -89,6 +89,46 @@ fn named_patterns_of_both_kinds_are_ranked_together() {
         .fails(2, &["--project", "sobol:warp=cosine"]);
 }
 
+/// A sampler with several densities is kept, and followed by the one with the best shares.
+#[test]
+fn named_densities_receive_the_best_shares() {
+    let place = Workplace::new();
+    let sampler = "sobol:warp=\"vmf:kappa=20 @ 60/0 + vmf:kappa=5 @ 120/90\"";
+    let mut command = place.command("choose -n 64 --json --integrand");
+    let command = command.arg("vmf:kappa=20 @ 60/0 + 4 * vmf:kappa=5 @ 120/90");
+    let output = command.args(["--samplers", sampler]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [best, equal] = &**rows(&document) else { panic!("{document}") };
+    assert_eq!(equal["sampler"], sampler);
+    // 4 of 5 parts of the integral are the second lobe's.
+    assert!(best["sampler"].as_str().unwrap().contains("0.8 * vmf:kappa=5"), "{best}");
+    assert!(number(best, "variance") < 0.9 * number(equal, "variance"), "{document}");
+}
+
+/// Tables name files without folders; one row stands for all patterns that buy nothing with a
+/// density, and one line for all samplers that are not considered for the same reason.
+#[test]
+fn tables_of_densities_are_short() {
+    let place = Workplace::new();
+    let texel = |x, y| if (x + y) % 2 == 0 { 300.0 } else { 1.0 };
+    place.write("map.exr", grey_exr(16, 8, texel));
+    let output = place
+        .command("choose --hemisphere -n 64 --integrand")
+        .arg("env:./map.exr * cosine")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let table = || text.lines().filter(|line| line.contains("warp="));
+    assert!(table().count() > 3 && !table().any(|line| line.contains("./map")), "{text}");
+    let reasons = text.lines().filter(|line| line.starts_with("Not considered: "));
+    let reasons: Vec<&str> = reasons.filter_map(|line| Some(line.split_once(" (")?.1)).collect();
+    assert!(reasons.iter().all(|a| reasons.iter().filter(|b| a == *b).count() == 1), "{text}");
+    let same = "other patterns have the same error with env:map.exr";
+    assert!(text.contains(same), "{text}");
+}
+
 /// A sun of radiance 1e5 in one texel of a sky of 1: the number of points stated for 1 % reaches it.
 ///
 /// The relative error of 2000 measured trials is known to about 2 to 5 %, so a correct answer fails

@@ -99,6 +99,45 @@ impl WarpExpression {
         Self::new(Expression { summands: summands.collect() })
     }
 
+    /// Returns the expression with the names of files without their folders, for tables and plots.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_integrands::WarpExpression;
+    ///
+    /// let expression: WarpExpression = "env:maps/sky.exr,floor=0.1 * cosine".parse()?;
+    /// assert_eq!(expression.shortened().to_string(), "env:sky.exr,floor=0.1 * cosine");
+    /// # Ok::<(), sphvar_integrands::Error>(())
+    /// ```
+    #[must_use]
+    pub fn shortened(&self) -> Self {
+        let mut sum = self.sum.clone();
+        for factor in sum.summands.iter_mut().flat_map(|summand| &mut summand.factors) {
+            if let WarpTerm::Environment(map) = &mut factor.term
+                && let Some(name) = map.environment.file.file_name()
+            {
+                map.environment.file = name.into();
+            }
+        }
+        Self { sum }
+    }
+
+    /// Returns whether the density has the text of an integrand apart from a constant factor and the
+    /// order of factors. The density is then proportional to the integrand's magnitude.
+    #[must_use]
+    pub fn is_density_of(&self, integrand: &Expression) -> bool {
+        fn texts<F: fmt::Display>(factors: &[F]) -> Vec<String> {
+            let mut texts: Vec<String> = factors.iter().map(F::to_string).collect();
+            texts.sort();
+            texts
+        }
+        match (&*self.sum.summands, &*integrand.summands) {
+            ([own], [of]) => texts(&own.factors) == texts(&of.factors),
+            _ => false,
+        }
+    }
+
     /// Returns the warps with their shares of the points, for an integral over a domain; `files` reads
     /// the files that they name.
     ///

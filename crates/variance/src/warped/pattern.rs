@@ -39,6 +39,9 @@ pub struct WarpedPattern {
     pub warp: WarpExpression,
     /// The weights of several strategies.
     pub heuristic: Heuristic,
+    /// Whether [`label`](Self::label) has the paths of maps instead of the names of the files, because
+    /// another file has the same name. Not part of the text form.
+    pub has_long_label: bool,
 }
 
 /// The maximum number of steps to the next total number of points whose parts are all valid.
@@ -76,20 +79,21 @@ impl WarpedPattern {
             parts.quoted(text).map_or(Error::from(error), |quoted| Error::Unquoted { quoted })
         })?;
         let heuristic = parts.heuristic.unwrap_or_default();
-        Ok(Self { pattern, warp, heuristic })
+        Ok(Self { pattern, warp, heuristic, has_long_label: false })
     }
 
     /// Returns the name in tables and plots, as [`SquarePattern::label`] does.
     #[must_use]
     pub fn label(&self) -> String {
-        self.text(&self.pattern.label())
+        let warp = if self.has_long_label { self.warp.clone() } else { self.warp.shortened() };
+        self.text(&self.pattern.label(), &warp)
     }
 
-    fn text(&self, pattern: &str) -> String {
+    fn text(&self, pattern: &str, warp: &WarpExpression) -> String {
         let is_stated = self.heuristic != Heuristic::default() && self.n_strategies() > 1;
         let text = WarpedText {
             pattern: pattern.to_owned(),
-            warp: self.warp.to_string(),
+            warp: warp.to_string(),
             heuristic: is_stated.then_some(self.heuristic),
         };
         text.to_string()
@@ -219,7 +223,7 @@ impl std::str::FromStr for WarpedPattern {
 /// Writes the form that [`WarpedPattern::parse`] reads.
 impl fmt::Display for WarpedPattern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(&self.text(&self.pattern.to_string()))
+        f.pad(&self.text(&self.pattern.to_string(), &self.warp))
     }
 }
 

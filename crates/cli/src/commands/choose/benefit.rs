@@ -31,7 +31,8 @@ pub(super) struct BestSampler {
 /// The best sampler by a density that resembles the integrand, and the best ones without.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct DensityBenefit {
-    /// The best sampler with a density that resembles the integrand but is not the integrand itself.
+    /// The best sampler with a density that resembles the integrand; one that is the integrand itself
+    /// only if there is no other.
     importance: BestSampler,
     /// The best sampler of uniform directions; null if none is within reach.
     uniform: Option<BestSampler>,
@@ -78,9 +79,18 @@ pub(super) fn benefit(ranking: &Ranking<'_>) -> Option<DensityBenefit> {
         let is_within_reach = |row: &&Row| row.known_to.is_none() && row.variance.is_some();
         rows.iter().filter(is_within_reach).find(|row| row.density == density)
     };
-    let importance = best(Density::Importance).filter(|_| has_uniform)?;
+    let mut of_integrand = rows.iter().filter(|row| row.known_to.is_some());
+    let known =
+        of_integrand.find(|row| row.density == Density::Importance && row.variance.is_some());
+    let importance = best(Density::Importance).or(known).filter(|_| has_uniform)?;
     let (uniform, cosine) = (best(Density::Uniform), best(Density::Cosine));
+    let others = match cosine {
+        Some(_) => "uniform directions and the cosine need",
+        None => "uniform directions need",
+    };
     let plain = uniform.into_iter().chain(cosine).min_by(|a, b| a.merit.total_cmp(&b.merit));
+    let is_known = importance.known_to.is_some();
+    let plain = plain.filter(|_| !is_known);
     let points_ratio = plain.and_then(|plain| points_ratio(question, importance, plain));
     let of_importance = BestSampler::of(importance)?;
     let [uniform, cosine] = [uniform, cosine].map(|row| row.and_then(BestSampler::of));
@@ -98,20 +108,29 @@ pub(super) fn benefit(ranking: &Ranking<'_>) -> Option<DensityBenefit> {
     });
     let mut sentence = format!("{what}: {}.", results.collect::<Vec<_>>().join("; "));
     let verdict = format!("Importance-sample this {}", what_is_sampled(importance));
+    // An approximate density may be worse than a uniform one though that of the integrand is exact.
+    let is_only = is_known || points_ratio.is_some_and(|ratio| ratio < 1.0);
+    let own = known.and_then(|known| known.warp.as_deref()).filter(|_| is_only);
     sentence += &match (points_ratio, &question.requested) {
+        _ if let Some(own) = own => format!(
+            " {verdict} by its own density, {own}, where it has unknown factors; no approximation of it \
+             reduces the error."
+        ),
         (Some(ratio), _) if ratio >= WORTHWHILE => format!(
-            " {verdict}: other densities need {} times the points for the same error.",
+            " {verdict}: {others} {} times the points for the same error.",
             number::ratio(ratio)
         ),
         (Some(ratio), _) if ratio >= 1.0 => format!(
-            " Other densities need only {} times the points for the same error.",
+            " {}{} only {} times the points for the same error.",
+            others[..1].to_uppercase(),
+            &others[1..],
             number::ratio(ratio)
         ),
         (Some(_), _) => " Importance sampling does not reduce the error.".to_owned(),
         (None, Requested::Error { max_points, .. }) => {
             let ratio = *max_points as f64 / of_importance.n as f64;
             format!(
-                " {verdict}: other densities need more than {} times the points for the same error.",
+                " {verdict}: {others} more than {} times the points for the same error.",
                 number::ratio(ratio)
             )
         }

@@ -1,20 +1,25 @@
 //! The chart of standard errors against N, compared with white noise.
 
 use super::question::{Question, Requested};
-use super::row::Row;
+use super::row::{Row, distinct, recommended};
 use crate::plots::{
     Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
 
 /// The number of best rows that are drawn.
 const MAX_SERIES: usize = 40;
+/// The same where densities are ranked, whose names are long.
+const MAX_WITH_DENSITIES: usize = 12;
 
 /// Returns the chart of the rows, best first; `white_variance` is the variance of white noise
 /// with one point.
 pub(super) fn chart(question: &Question, rows: &[Row], white_variance: f64) -> Chart {
     // Densities that are the integrand have next to no error.
-    let unknown = rows.iter().filter(|row| row.known_to.is_none());
-    let rows: Vec<&Row> = unknown.take(MAX_SERIES).collect();
+    let shown = distinct(rows, recommended(rows, question)).into_iter().map(|(row, _)| row);
+    let unknown = shown.filter(|row| row.known_to.is_none());
+    let has_densities = rows.iter().any(|row| row.warp.is_some());
+    let max_series = if has_densities { MAX_WITH_DENSITIES } else { MAX_SERIES };
+    let rows: Vec<&Row> = unknown.take(max_series).collect();
     let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
     let are_own: Vec<bool> = rows.iter().map(|row| row.is_file).collect();
@@ -24,8 +29,11 @@ pub(super) fn chart(question: &Question, rows: &[Row], white_variance: f64) -> C
     for (ink, row) in inks(&ranks, &are_own).into_iter().zip(&rows) {
         let points = &row.points;
         let errors = points.iter().map(|p| (p.n_points, scale * p.variance.sqrt()));
-        // The relative error of a square root is half that of its argument.
-        let unknown = points.iter().map(|p| 0.5 * scale * p.stderr / p.variance.sqrt());
+        // The relative error of a square root is half that of its argument; a larger error than the
+        // argument is not propagated, as in the table.
+        let unknown = points.iter().map(|p| {
+            0.5 * scale * p.stderr * (p.variance / p.variance.max(p.stderr)) / p.variance.sqrt()
+        });
         series.push(Series {
             label: row.record.label.clone(),
             points: errors.collect(),

@@ -77,6 +77,12 @@ pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
         Density::Uniform
     }
 
+    /// Returns the densities in tables, if there are others than the uniform one of a pattern of the
+    /// sphere.
+    fn warp(&self) -> Option<String> {
+        None
+    }
+
     /// Returns the nominal work of a set.
     fn nominal_work(&self, n_points: usize) -> f64;
 

@@ -13,14 +13,18 @@ use crate::error::CliError;
 
 /// The nominal work of mapping a point.
 const WORK_OF_MAP: f64 = 1.0;
-/// Up to this relative standard deviation of f/p, a density counts as the integrand itself: a single
-/// point has an error of at most 1 %.
+/// The density of a map is that of the magnitudes of its texels, so that even a density with the
+/// text of the integrand differs from it where texels are negative. Otherwise, up to this relative
+/// standard deviation of f/p, a density counts as the integrand itself: a single point has an error
+/// of at most 1 %.
 const SAME: f64 = 0.01;
 
 /// Predicts the variances of patterns that are mapped to the same densities.
 pub(super) struct Importance<'a> {
     pub(super) predictor: WarpedPredictor<'a>,
     pub(super) strategies: &'a [Strategy],
+    /// Whether the density is the integrand's magnitude by its text.
+    pub(super) is_of_integrand: bool,
 }
 
 impl Choosable for WarpedPattern {
@@ -57,6 +61,11 @@ impl Choosable for WarpedPattern {
         }
     }
 
+    fn warp(&self) -> Option<String> {
+        let warp = if self.has_long_label { &self.warp } else { &self.warp.shortened() };
+        Some(warp.to_string())
+    }
+
     fn nominal_work(&self, n_points: usize) -> f64 {
         let parts = self.counts(n_points);
         let of_square: f64 = parts.iter().map(|&n| self.pattern.nominal_work(n)).sum();
@@ -81,6 +90,7 @@ impl Choosable for WarpedPattern {
     }
 
     fn details(&self, point: &WarpedPoint, predictor: &Importance<'_>) -> Details {
+        let is_of_integrand = predictor.is_of_integrand;
         let spectra = || point.strategies.iter().map(|strategy| &strategy.spectrum);
         let predictor = &predictor.predictor;
         let white = |n: usize| predictor.white_variance(self, n);
@@ -90,7 +100,8 @@ impl Choosable for WarpedPattern {
             realizations: spectra().map(|spectrum| spectrum.realizations()).max(),
             variance_of_density: Some(white(point.n_points())),
             // The weights of several strategies are no constant multiples of the integrand.
-            known_to: deviation.filter(|d| self.n_strategies() == 1 && *d <= SAME),
+            known_to: deviation
+                .filter(|d| self.n_strategies() == 1 && (is_of_integrand || *d <= SAME)),
             ..Details::default()
         }
     }

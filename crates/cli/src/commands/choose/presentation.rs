@@ -8,7 +8,8 @@ use super::crossings;
 use super::question::{Question, Requested};
 use super::ranking::Ranking;
 use super::recommendation::recommendation;
-use super::record::{CandidateRecord, ChoiceBody};
+use super::record::{CandidateRecord, ChoiceBody, LeftOut};
+use super::row::{Row, SAME_ERROR, distinct, recommended};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
@@ -65,23 +66,17 @@ impl<'a> Answer<'a> {
                 let Ranking { question, rows, white_variance, .. } = &self.rankings[0];
                 Ok(chart(question, rows, *white_variance))
             }),
-            text: &|| self.text(),
+            text: &|| self.text(args.samplers.list().is_some()),
         };
         emit(args.out.out.as_deref(), global, &provenance, &self.body, &forms)
     }
 
-    fn text(&self) -> String {
+    /// Returns the answer in words; rows that the user names, `is_named`, are all shown.
+    fn text(&self, is_named: bool) -> String {
         let body = &self.body;
-        let (mut text, mut rows) = (String::new(), &*body.rows);
         // The table of the first ranking comes last, above what is said about it.
-        let mut tables = Vec::new();
-        for ranking in &self.rankings {
-            let (own, others) = rows.split_at(ranking.rows.len());
-            tables.push(table(&ranking.question, own));
-            rows = others;
-        }
-        tables.reverse();
-        text += &tables.concat();
+        let tables = self.rankings.iter().rev();
+        let mut text: String = tables.map(|ranking| table(ranking, is_named)).collect();
         let question = &self.rankings[0].question;
         let own = &body.rows[..self.rankings[0].rows.len()];
         let (reached, out_of_reach): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
@@ -119,9 +114,7 @@ impl<'a> Answer<'a> {
         if !empty.is_empty() {
             text += &format!("Largest degree without power: {}\n", empty.join(", "));
         }
-        for left in &body.left_out {
-            text += &format!("Not considered: {} ({})\n", left.label, left.reason);
-        }
+        text += &left_out(&body.left_out);
         for crossing in body.crossovers.iter().filter(|c| c.matters()).take(8) {
             text += &crossing.crossover.line();
         }
@@ -134,8 +127,26 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// Returns the heading and the table of the candidates within reach.
-fn table(question: &Question, rows: &[CandidateRecord]) -> String {
+/// Returns a line for each reason why samplers were not considered.
+fn left_out(all: &[LeftOut]) -> String {
+    let mut reasons: Vec<&str> = Vec::new();
+    for left in all {
+        if !reasons.contains(&&*left.reason) {
+            reasons.push(&left.reason);
+        }
+    }
+    let line = |reason: &str| {
+        let of_reason = all.iter().filter(|left| left.reason == reason);
+        let labels: Vec<&str> = of_reason.map(|left| &*left.label).collect();
+        format!("Not considered: {} ({reason})\n", labels.join(", "))
+    };
+    reasons.into_iter().map(line).collect()
+}
+
+/// Returns the heading and the table of the candidates within reach. Unless `is_named`, one row stands
+/// for all patterns that buy nothing with a density.
+fn table(ranking: &Ranking<'_>, is_named: bool) -> String {
+    let Ranking { question, rows, .. } = ranking;
     let mut text = match &question.requested {
         Requested::Error { text, standard_error, .. } => {
             let requested = match question.integral {
@@ -155,13 +166,27 @@ fn table(question: &Question, rows: &[CandidateRecord]) -> String {
             format!("Standard errors with about {n} points: {}\n\n", question.integrand)
         }
     };
-    let mut reached: Vec<&CandidateRecord> = rows.iter().filter(|row| row.n.is_some()).collect();
+    let shown: Vec<(&Row, usize)> = if is_named {
+        rows.iter().map(|row| (row, 0)).collect()
+    } else {
+        distinct(rows, recommended(rows, question))
+    };
+    let shown = || shown.iter().filter(|(row, _)| row.record.n.is_some());
+    let mut reached: Vec<&CandidateRecord> = shown().map(|(row, _)| &row.record).collect();
     if !reached.is_empty() {
         let n_more = reached.len().saturating_sub(MAX_ROWS);
         reached.truncate(MAX_ROWS);
         text += &table_of(&CandidateRecord::columns(question, &reached), reached);
         if n_more > 0 {
             text += &format!("({n_more} more: --json or -o FILE.csv)\n");
+        }
+        for (row, n_others) in shown().take(MAX_ROWS).filter(|(_, n_others)| *n_others > 0) {
+            let (warp, percent) = (row.warp.as_deref().unwrap_or_default(), 100.0 * SAME_ERROR);
+            let patterns = if *n_others == 1 { "pattern has" } else { "patterns have" };
+            text += &format!(
+                "({n_others} other {patterns} the same error with {warp}, that of independent points \
+                 to {percent} %)\n"
+            );
         }
         text += "\n";
     }

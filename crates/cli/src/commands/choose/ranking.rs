@@ -8,7 +8,7 @@ use sphvar_variance::{
 
 use super::args::ChooseArgs;
 use super::candidate::{EXPENSIVE, TimedCandidate};
-use super::choosable::{patterns, share, square_patterns, square_share};
+use super::choosable::{Density, patterns, share, square_patterns, square_share};
 use super::contest::Contest;
 use super::question::Question;
 use super::record::{CoefficientRecord, LeftOut};
@@ -96,6 +96,7 @@ impl<'a> Ranking<'a> {
         let typical = typical_points(args)?;
         let (uniform, shares) =
             in_order(uniform, |p| p.nominal_work(typical), |p| share(p, typical, domain));
+        let expression = proposed;
         let proposed = proposed.filter(|_| !is_named && !integral.is_irradiance());
         let n_densities =
             proposed.map_or(warped.len(), |p| WarpExpression::proposed(p, domain).len());
@@ -120,7 +121,7 @@ impl<'a> Ranking<'a> {
         };
         add(&mut contest, &mut predictor, n_inexpensive)?;
         let (function, seed, quiet) = (&*integrand.function, global.seed, global.quiet);
-        let of_warps = WarpedIntegral { function, domain, seed, quiet };
+        let of_warps = WarpedIntegral { function, integrand: expression, domain, seed, quiet };
         let white = |n: usize| predictor.white_variance(n);
         of_warps.add_named(&mut contest, warped, &progress, &white)?;
         if let Some(proposed) = proposed {
@@ -212,9 +213,11 @@ impl<'a> Ranking<'a> {
         let Some(predictor) = &mut self.uniform else { return Ok(String::new()) };
         let settled = settled_degree_of(n_points, predictor.domain());
         let share = predictor.share_beyond(settled)?;
+        let is_uniform = |row: &Row| row.density == Density::Uniform;
+        let which = if self.rows.iter().all(is_uniform) { "" } else { " of uniform directions" };
         Ok(if share > 0.5 {
             format!(
-                " No pattern can: {} of the variance lies beyond degree {settled}, where every pattern of \
+                " No pattern{which} can: {} of the variance lies beyond degree {settled}, where every pattern of \
                  {n_points} points has the mean power of white noise.",
                 number::percent(share)
             )

@@ -3,7 +3,7 @@
 use super::question::Requested;
 use super::ranking::Ranking;
 use super::reason::Reason;
-use super::row::{Row, recommended};
+use super::row::{Row, is_best_accurate, recommended};
 use crate::error::CliError;
 use crate::report::number;
 
@@ -25,7 +25,10 @@ pub(super) fn recommendation(
 fn of_others(ranking: &mut Ranking<'_>) -> Result<(Option<Reason>, String), CliError> {
     let best = recommended(&ranking.rows, &ranking.question);
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.record.n)) else {
-        let (mut text, mut max_considered) = ("No sampler achieves this error".to_owned(), 1);
+        let is_known =
+            ranking.rows.iter().any(|row| row.known_to.is_some() && row.variance.is_some());
+        let other = if is_known { "other " } else { "" };
+        let (mut text, mut max_considered) = (format!("No {other}sampler achieves this error"), 1);
         if let Requested::Error { max_points, .. } = ranking.question.requested {
             max_considered = max_points;
             text += &format!(
@@ -40,6 +43,11 @@ fn of_others(ranking: &mut Ranking<'_>) -> Result<(Option<Reason>, String), CliE
         return Ok((None, text + &ranking.beyond_help(n)?));
     }
     let reason = best.reason.clone();
+    let accurate = if is_best_accurate(&ranking.rows, best) {
+        ", apart from samplers whose variance is known less accurately than to 25 %"
+    } else {
+        ""
+    };
     let extrapolated = if best.record.basis == "extrapolated" { ", by extrapolation" } else { "" };
     let choice = match ranking.question.requested {
         _ if ranking.question.cost_per_sample.is_some() => {
@@ -68,7 +76,8 @@ fn of_others(ranking: &mut Ranking<'_>) -> Result<(Option<Reason>, String), CliE
         (None, None) => String::new(),
     };
     let label = &best.record.label;
-    let text = format!("Recommended: {label} with N = {n} ({choice}{extrapolated}){why}.");
+    let text =
+        format!("Recommended: {label} with N = {n} ({choice}{accurate}{extrapolated}){why}.");
     Ok((reason, text))
 }
 
@@ -108,7 +117,7 @@ fn known_integral(rows: &[Row]) -> String {
     } else {
         String::new()
     };
-    let warp = row.record.label.split_once("warp=").map_or(&*row.record.label, |(_, warp)| warp);
+    let warp = row.warp.as_deref().unwrap_or(&row.record.label);
     format!(
         " The density {warp} is the integrand itself{how}: its normalization is the integral, which needs no \
          samples, so it is not recommended; it is of use for products of this integrand with unknown factors, such as \

@@ -22,8 +22,8 @@ const FIRST: [&str; 3] = ["sobol", "r2", "jittered-square"];
 const BEST_DENSITIES: usize = 2;
 /// The number of points for which shares are found if the user gives none.
 const TYPICAL_POINTS: usize = 1024;
-/// The values from which the variance is predicted while shares are searched, about a tenth of a
-/// second for each of some eight pairs of densities.
+/// The values from which the variance is predicted while shares are searched, for each of 19 pairs
+/// of shares.
 const SEARCH: Tolerance =
     Tolerance { relative: 1e-2, min_evaluations: 1 << 14, max_evaluations: 1 << 16 };
 
@@ -31,6 +31,8 @@ const SEARCH: Tolerance =
 #[derive(Clone, Copy)]
 pub(super) struct WarpedIntegral<'a> {
     pub(super) function: &'a dyn Integrand,
+    /// The integrand, if its parts are known.
+    pub(super) integrand: Option<&'a Expression>,
     pub(super) domain: Domain,
     pub(super) seed: u64,
     pub(super) quiet: bool,
@@ -40,12 +42,14 @@ pub(super) struct WarpedIntegral<'a> {
 struct Pulled<'a> {
     warp: WarpExpression,
     heuristic: Heuristic,
+    has_long_label: bool,
     strategies: Vec<Strategy>,
     functions: Vec<PulledBack<'a>>,
 }
 
 impl<'a> WarpedIntegral<'a> {
-    /// Adds the patterns that the user names; `white` is the variance of independent uniform
+    /// Adds the patterns that the user names, those of several densities also with the best shares;
+    /// `white` is the variance of independent uniform
     /// directions.
     pub(super) fn add_named(
         &self,
@@ -69,8 +73,18 @@ impl<'a> WarpedIntegral<'a> {
         let strategies = strategies_of(&warps, self.domain, self.quiet)?;
         for (patterns, strategies) in groups.into_iter().zip(strategies) {
             let share = patterns.len() as f64;
-            match self.pulled_back(&patterns[0], strategies) {
-                Ok(pulled) => pulled.add(self, contest, patterns, white)?,
+            let first = patterns[0].clone();
+            match self.pulled_back(&first, strategies.clone()) {
+                Ok(pulled) => {
+                    let own: Vec<_> = patterns.iter().map(|p| p.pattern.clone()).collect();
+                    pulled.add(self, contest, patterns, white)?;
+                    if first.n_strategies() > 1
+                        && let Ok(best) = self.with_best_shares(contest, &first, strategies)
+                    {
+                        let patterns = own.into_iter().map(|p| best.pattern(p)).collect();
+                        best.add(self, contest, patterns, white)?;
+                    }
+                }
                 Err(reason) => {
                     for pattern in patterns {
                         contest.leave_out(pattern.to_string(), pattern.label(), reason.clone());
@@ -95,10 +109,13 @@ impl<'a> WarpedIntegral<'a> {
         let first: Vec<SquarePattern> = FIRST.iter().filter_map(|name| name.parse().ok()).collect();
         let mut pulled_back = Vec::new();
         let warps = WarpExpression::proposed(integrand, self.domain);
+        let is_same =
+            |a: &WarpExpression, b: &WarpExpression| a != b && a.shortened() == b.shortened();
+        let has_long_label = warps.iter().any(|a| warps.iter().any(|b| is_same(a, b)));
         let all = self.strategies(&warps);
         for (warp, strategies) in warps.into_iter().zip(all) {
-            let pattern =
-                WarpedPattern { pattern: first[0].clone(), warp, heuristic: Heuristic::default() };
+            let (pattern, heuristic) = (first[0].clone(), Heuristic::default());
+            let pattern = WarpedPattern { pattern, warp, heuristic, has_long_label };
             progress.stage(&pattern.label());
             let is_reached = |row: &Row| row.density == Density::Uniform && row.variance.is_some();
             if pattern.density() == Density::Uniform && !contest.rows.iter().any(is_reached) {
@@ -167,8 +184,8 @@ impl<'a> WarpedIntegral<'a> {
     ) -> Result<Pulled<'a>, String> {
         let functions = self.functions(&strategies, pattern.heuristic, PulledBack::TOLERANCE);
         let functions = functions.map_err(|error| error.to_string())?;
-        let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
-        Ok(Pulled { warp, heuristic, strategies, functions })
+        let WarpedPattern { warp, heuristic, has_long_label, .. } = pattern.clone();
+        Ok(Pulled { warp, heuristic, has_long_label, strategies, functions })
     }
 
     /// Returns the densities of warps, or the reason why one is not available.
@@ -203,7 +220,12 @@ fn with_shares(strategies: &[Strategy], pattern: &WarpedPattern) -> Vec<Strategy
 
 impl Pulled<'_> {
     fn pattern(&self, pattern: SquarePattern) -> WarpedPattern {
-        WarpedPattern { pattern, warp: self.warp.clone(), heuristic: self.heuristic }
+        WarpedPattern {
+            pattern,
+            warp: self.warp.clone(),
+            heuristic: self.heuristic,
+            has_long_label: self.has_long_label,
+        }
     }
 
     /// Adds patterns of the densities, inexpensive ones first.
@@ -220,7 +242,8 @@ impl Pulled<'_> {
         let predictor =
             WarpedPredictor::new(&self.functions, integral.seed, PredictionBudget::DEFAULT)?
                 .with_integral(integral.function.exact(integral.domain));
-        let mut predictor = Importance { predictor, strategies: &self.strategies };
+        let is_of_integrand = integral.integrand.is_some_and(|f| self.warp.is_density_of(f));
+        let mut predictor = Importance { predictor, strategies: &self.strategies, is_of_integrand };
         for pattern in patterns {
             contest.add(pattern, &mut predictor, |_, n| white(n));
         }
