@@ -59,11 +59,11 @@ pub fn best_shares(
         Ok(found)
     };
     let mut best = rounded(&pattern.warp.shares(), units);
-    let mut least = merit_of(&best)?;
+    let mut min_merit = merit_of(&best)?;
     for start in starts(n_warps, units) {
         let merit = merit_of(&start)?;
-        if merit < least {
-            (best, least) = (start, merit);
+        if merit < min_merit {
+            (best, min_merit) = (start, merit);
         }
     }
     let pairs = || (0..n_warps).flat_map(|from| (0..n_warps).map(move |to| (from, to)));
@@ -79,13 +79,13 @@ pub fn best_shares(
                 moved[from] -= step;
                 moved[to] += step;
                 let merit = merit_of(&moved)?;
-                if merit < least {
-                    (best, least, is_improved) = (moved, merit, true);
+                if merit < min_merit {
+                    (best, min_merit, is_improved) = (moved, merit, true);
                 }
             }
         }
     }
-    Ok((with_parts(&best)?, least))
+    Ok((with_parts(&best)?, min_merit))
 }
 
 /// Returns all parts of two warps and, of up to [`MAX_COARSE`], those of 1 for all warps but one.

@@ -204,10 +204,10 @@ fn the_best_shares_are_those_of_all_shares() {
             variance(&WarpedPattern { warp, ..pattern.clone() }).unwrap()
         })
         .collect();
-    let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let minimum = all.iter().copied().fold(f64::INFINITY, f64::min);
     let (best, got) = best_shares(&pattern, &mut variance).unwrap();
-    assert!((got / least - 1.0).abs() < 1e-12, "{best}: {all:?}");
-    assert!(all[9] > least, "{all:?}");
+    assert!((got / minimum - 1.0).abs() < 1e-12, "{best}: {all:?}");
+    assert!(all[9] > minimum, "{all:?}");
     // The text has exactly these shares.
     let again: WarpedPattern = best.to_string().parse().unwrap();
     assert!((variance(&again).unwrap() / got - 1.0).abs() < 1e-12);
