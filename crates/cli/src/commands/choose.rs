@@ -38,7 +38,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose jittered,fibonacci --integrand ylm:l=4 --absolute --error 0.01
   sphvar choose fibonacci,spiral --integrand band:lmax=40 --error 0.1%
   sphvar choose jittered,fibonacci --integrand env:data/city.exr --project 2 -n 64
-  sphvar choose fibonacci,sobol:warp=cosine,sobol:warp=\"vmf:kappa=20\" --integrand \"vmf:kappa=30 * cosine\" --hemisphere -n 64
+  sphvar choose fibonacci,sobol:warp=cosine --integrand vmf:kappa=9 --hemisphere -n 64
   sphvar choose jittered-square,sobol --square --integrand exponential:a=1,b=2 -n 64
 
 The fourth example asks how many directions a function of bandwidth 40 needs: band:lmax=40 is a random \
