@@ -237,7 +237,7 @@ fn other_documents_do_not_fit() {
         (changed(&|d| row(d, "n", "12".into())), "variance/rows/0/n: expected"),
         (changed(&|d| row(d, "n", (-1).into())), "variance/rows/0/n: expected at least 0"),
         (changed(&|d| row(d, "new", 1.into())), "variance/rows/0/new: not in the schema"),
-        (changed(&|d| row(d, "predicted", Value::Null)), "variance/rows/0/predicted: expected"),
+        (changed(&|d| row(d, "trials", Value::Null)), "variance/rows/0/trials: expected"),
         (changed(&|d| d["provenance"] = Value::Null), "variance/provenance: expected"),
         (changed(&|d| _ = d.as_object_mut().unwrap().remove("rows")), "variance: rows is missing"),
     ] {

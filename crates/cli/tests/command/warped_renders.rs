@@ -168,7 +168,7 @@ fn usage_errors_are_reported() {
     run("sobol:warp=cosine", "--mode shared").fails(2, &["--mode requires a sampler of uniform"]);
     run("sobol:warp=cosine", "--estimator ratio").fails(2, &["--estimator requires"]);
     run("r2:warp=cosine", "--sets 4").fails(2, &["--sets requires"]);
-    run("sobol:warp=cosine", "--reference-count 0 --mse").fails(2, &["must be at least 1"]);
+    run("sobol:warp=cosine", "--reference-count 0 --mse").fails(2, &["at least 1 point"]);
     for white in ["0", "-3", "0%", "101%", "nan", "bright"] {
         run("sobol:warp=cosine", &format!("-o p.png --white {white}"))
             .fails(2, &["--white must be a number above 0"]);

@@ -33,7 +33,7 @@ named_terms! {
     /// integrand.
     "warp" WarpTerm: WarpDefinition(domain: Domain) -> Warp;
     "cylinder" = cylinder::Cylinder: "uniform, by the cylinder map of Archimedes";
-    "octahedral" = octahedral::Octahedral: "uniform, by the equal-area octahedral map, on the hemisphere its upper half";
+    "octahedral" = octahedral::Octahedral: "uniform, by the equal-area octahedral map or its upper half";
     "cosine" = cosine::Cosine: "clamped cosine max(0, z), by the concentric map";
     "cap" = cap::Cap(p: CapParameters): "uniform on a spherical cap around +z";
     "phong" = phong::Phong(p: PhongParameters): "Phong lobe max(0, z)^n";
