@@ -308,7 +308,7 @@ fn adapted(n: usize, capacity: usize, density: impl Warp + 'static) -> Tessellat
 fn an_adapted_tessellation_has_no_exchange_left() {
     let lobe = VonMisesFisherLobe::new(30.0).unwrap();
     for (n, capacity) in [(1, 40), (2, 100), (50, 16), (20, 1)] {
-        let tessellation = adapted(n, capacity, lobe.clone());
+        let tessellation = adapted(n, capacity, lobe);
         assert!(tessellation.is_settled());
         let best = best_exchange(Domain::Sphere, &tessellation);
         assert!(n == 1 || best < 1e-10, "{n} {capacity}: {best:e}");
