@@ -38,6 +38,7 @@ pub use strategy::{Heuristic, Strategy};
 /// use std::sync::Arc;
 ///
 /// use sphvar_integrands::{ClampedCosine, Domain, PulledBack, SquareIntegrand, Tolerance};
+/// use sphvar_sh::TailClasses;
 /// use sphvar_warps::{CosineHemisphere, UniformCap};
 ///
 /// // Points of density cos(theta)/pi integrate the cosine without any error.

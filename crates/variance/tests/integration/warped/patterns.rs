@@ -55,7 +55,7 @@ fn invalid_texts_name_the_fault() {
         ("sobol:warp=\"2 * cosine\"", "single"),
         ("file:a.csv,warp=cosine", "a.csv"),
         (":warp=cosine", "no name"),
-        ("sobol:warp=phong:n=3,floor=0.1", "unknown parameter floor"),
+        ("sobol:warp=phong:n=3,floor=0.1", "unknown parameter \"floor\""),
         ("r2:warp=env:a.exr,floor=0.1,up=y", "r2:warp=\"env:a.exr,floor=0.1,up=y\""),
         (
             "poisson-disk-square:wrapped=no,warp=cylinder + env:a.exr,floor=0.1,heuristic=power",
