@@ -26,6 +26,7 @@ fn run(place: &Workplace, arguments: &str, integrand: &str) -> Value {
 /// The density of the map times the cosine is the integrand, and so needs no samples; the best other
 /// one is recommended, by a name that every command accepts with the same prediction.
 #[test]
+#[ignore = "slow"]
 fn the_best_density_that_is_not_the_integrand_is_recommended() {
     let place = Workplace::new();
     // A sun and a sky: the density of constant texels is not that of the bilinear map.
@@ -109,6 +110,7 @@ fn named_densities_receive_the_best_shares() {
 /// Tables name files without folders, and one line all samplers that are not considered for the same
 /// reason.
 #[test]
+#[ignore = "slow"]
 fn tables_of_densities_are_short() {
     let place = Workplace::new();
     let texel = |x, y| if (x + y) % 2 == 0 { 300.0 } else { 1.0 };
