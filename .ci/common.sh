@@ -3,9 +3,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# Every build here is complete; incremental builds, line tables and optimization across the parts of a
-# crate would cost time and space.
-export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 CARGO_PROFILE_DEV_LTO=off
+# Every build here is complete; incremental builds and line tables would cost time and space.
+export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0
 
 target=${CARGO_TARGET_DIR:-target}
 
