@@ -9,11 +9,12 @@ use crate::{
 pub(crate) struct OfPattern<S: ?Sized> {
     sampler: Box<S>,
     group: usize,
+    sequence_group: Option<usize>,
 }
 
 impl<S: ?Sized> OfPattern<S> {
-    pub(crate) fn new(sampler: Box<S>, group: usize) -> Self {
-        Self { sampler, group }
+    pub(crate) fn new(sampler: Box<S>, group: usize, sequence_group: Option<usize>) -> Self {
+        Self { sampler, group, sequence_group }
     }
 }
 
@@ -54,6 +55,10 @@ impl Sampler for OfPattern<dyn Sampler> {
     fn stream_group(&self) -> usize {
         self.group
     }
+
+    fn sequence_group(&self) -> Option<usize> {
+        self.sequence_group
+    }
 }
 
 impl SquareSampler for OfPattern<dyn SquareSampler> {
@@ -84,5 +89,9 @@ impl SquareSampler for OfPattern<dyn SquareSampler> {
 
     fn stream_group(&self) -> usize {
         self.group
+    }
+
+    fn sequence_group(&self) -> Option<usize> {
+        self.sequence_group
     }
 }

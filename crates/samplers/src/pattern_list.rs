@@ -63,6 +63,12 @@ pub(crate) trait PatternList: Clone + Sized {
         own.unwrap_or_else(|| fnv1a(self.text().as_bytes()) as usize ^ n_points)
     }
 
+    /// Returns the number of the random streams of all prefixes, for patterns whose prefixes are sets
+    /// of the pattern: that of no points.
+    fn group_of_prefixes(&self) -> Option<usize> {
+        self.known_facts().is_extensible.then(|| self.group(0))
+    }
+
     /// Returns the valid numbers of points.
     fn counts_in(&self, space: Self::Space) -> ValidCounts {
         self.clone().with_definition(|definition| definition.valid_counts(space))
@@ -82,7 +88,7 @@ pub(crate) trait PatternList: Clone + Sized {
         }
         let sampler =
             self.clone().with_definition(|definition| definition.build(n_points, space))?;
-        Ok(Self::Space::with_stream_group(sampler, self.group(n_points)))
+        Ok(Self::Space::with_groups(sampler, self.group(n_points), self.group_of_prefixes()))
     }
 
     /// Returns the pattern of the same name with its default parameters.
@@ -191,6 +197,14 @@ macro_rules! pattern_list {
             #[must_use]
             pub fn stream_group(&self, n_points: usize) -> usize {
                 self.group(n_points)
+            }
+
+            /// Returns the number of the random streams that the sets of every number of points
+            /// share, so that smaller sets are prefixes of larger ones; `None` for patterns whose
+            /// prefixes are not sets of the pattern ([`PatternFacts`](crate::PatternFacts)).
+            #[must_use]
+            pub fn sequence_group(&self) -> Option<usize> {
+                self.group_of_prefixes()
             }
         }
 

@@ -108,6 +108,15 @@ pub trait Sampler: Debug + Send + Sync {
         fnv1a(format!("{self:?}").as_bytes()) as usize ^ self.n_points()
     }
 
+    /// Returns the number of random streams with which realizations of fewer points are prefixes of
+    /// those of more points, for [`Streams::new`](crate::Streams::new); `None` where prefixes are not
+    /// sets of the pattern. Default: `None`.
+    ///
+    /// With [`Self::stream_group`], sets of different numbers of points are independent.
+    fn sequence_group(&self) -> Option<usize> {
+        None
+    }
+
     /// Returns whether two realizations can differ by more than a rotation. `false` means that one
     /// realization determines the spectrum of the pattern.
     fn is_random(&self) -> bool {

@@ -44,8 +44,13 @@ pub(crate) mod internal {
         where
             Self: crate::Space;
 
-        /// Returns the sampler with this number for its random streams.
-        fn with_stream_group(sampler: Box<Self::Sampler>, group: usize) -> Box<Self::Sampler>;
+        /// Returns the sampler with these numbers of the random streams of its sets and of its
+        /// sequence.
+        fn with_groups(
+            sampler: Box<Self::Sampler>,
+            group: usize,
+            sequence_group: Option<usize>,
+        ) -> Box<Self::Sampler>;
 
         /// Returns the point of the space that a given point stands for, if there is one.
         fn located(self, point: Self::Point) -> Option<Self::Point>;
@@ -73,8 +78,12 @@ impl internal::Space for Domain {
         Box::new(sets)
     }
 
-    fn with_stream_group(sampler: Box<dyn Sampler>, group: usize) -> Box<dyn Sampler> {
-        Box::new(OfPattern::new(sampler, group))
+    fn with_groups(
+        sampler: Box<dyn Sampler>,
+        group: usize,
+        sequence_group: Option<usize>,
+    ) -> Box<dyn Sampler> {
+        Box::new(OfPattern::new(sampler, group, sequence_group))
     }
 
     /// Returns the unit vector along a vector of any length; on the hemisphere, the representative
@@ -96,8 +105,12 @@ impl internal::Space for Square {
         Box::new(sets)
     }
 
-    fn with_stream_group(sampler: Box<dyn SquareSampler>, group: usize) -> Box<dyn SquareSampler> {
-        Box::new(OfPattern::new(sampler, group))
+    fn with_groups(
+        sampler: Box<dyn SquareSampler>,
+        group: usize,
+        sequence_group: Option<usize>,
+    ) -> Box<dyn SquareSampler> {
+        Box::new(OfPattern::new(sampler, group, sequence_group))
     }
 
     fn located(self, point: [f64; 2]) -> Option<[f64; 2]> {

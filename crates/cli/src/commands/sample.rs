@@ -103,7 +103,7 @@ fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Resu
     if let Some(empty) = &remark {
         say(global.quiet, &format!("{pattern}, N = {}: {empty}", sampler.n_points()));
     }
-    let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
+    let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
     let drawn = if args.rotate {
         Realizations::rotated(&*sampler, streams)
     } else {
@@ -167,7 +167,8 @@ fn sample_warped(
         &samplers,
         global.seed,
         Purpose::Pattern,
-    );
+    )
+    .of_prefixes();
     let sets = RealizedSets {
         sampler: pattern.to_string(),
         label: pattern.label(),
@@ -186,7 +187,7 @@ fn sample_square(sampler: &str, args: &SampleArgs, global: &Global) -> Result<()
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let (pattern, sampler) =
         patterns::sampler_of::<SquarePattern, _>(sampler, n, Square, nearest, global.quiet)?;
-    let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
+    let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
     let drawn = if args.shift {
         SquareRealizations::shifted(&*sampler, streams)
     } else {
@@ -212,6 +213,12 @@ fn sample_square(sampler: &str, args: &SampleArgs, global: &Global) -> Result<()
         picture: |title, notes, points, path| SquareView { title, notes }.render(points, path),
     };
     sets.write(args, global)
+}
+
+/// Returns the streams of the sequence that all numbers of points share, or of the sets of one number
+/// of points where the pattern is no sequence.
+fn streams(sequence_group: Option<usize>, set_group: usize, global: &Global) -> Streams {
+    Streams::new(global.seed, Purpose::Pattern, sequence_group.unwrap_or(set_group))
 }
 
 /// Returns the remark on sets without power at the degrees up to `last`.

@@ -1,7 +1,7 @@
 use sphvar_grammar::Parametric;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, OnSphere, PatternFacts, Rate, Sampler, Sobol};
+use crate::{CostOrder, Domain, Error, OnSphere, PatternFacts, Rate, Sampler, SobolSequence};
 
 /// No parameters.
 pub(super) struct Parameters;
@@ -21,6 +21,6 @@ impl Definition for Parameters {
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(OnSphere::new(Sobol::new(n_points)?, domain)))
+        Ok(Box::new(OnSphere::new(SobolSequence::new(n_points)?, domain)))
     }
 }

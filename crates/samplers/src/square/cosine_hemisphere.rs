@@ -11,8 +11,8 @@ use crate::{Error, PointSet, SquareSampler};
 /// estimates `(1/pi) int f cos(theta) d omega`.
 ///
 /// ```
-/// use sphvar_samplers::{CosineHemisphere, Purpose, Sobol, Streams};
-/// let pattern = CosineHemisphere::new(Sobol::new(256)?);
+/// use sphvar_samplers::{CosineHemisphere, Purpose, SobolSequence, Streams};
+/// let pattern = CosineHemisphere::new(SobolSequence::new(256)?);
 /// let rng = &mut Streams::new(0, Purpose::Pattern, 256).realization(0);
 /// // The mean of cos(theta) is 2/3.
 /// let mean = pattern.sample(rng)?.points.iter().map(|p| p.z).sum::<f64>() / 256.0;

@@ -3,21 +3,36 @@ use sphvar_grammar::Parametric;
 
 use super::POINTS_PER_TICK;
 use super::radical_inverse::fraction;
-use super::sobol::second_coordinate;
 use crate::definition::Definition;
 use crate::{
     CostOrder, Error, PatternFacts, PointSet, Progress, Rate, Square, SquareSampler, count,
 };
 
-/// The sequence of Sobol in two dimensions under nested uniform scrambling, as
-/// [`Sobol`](crate::Sobol), drawn point by point: the first points of a realization do not depend on
-/// the number of points.
+/// The sequence of Sobol in two dimensions (Sobol 1967) under nested uniform scrambling (Owen 1995),
+/// drawn point by point: the first points of a realization do not depend on the number of points.
+///
+/// The first coordinate is the radical inverse in base 2, the second has Pascal's triangle modulo 2
+/// as its generator matrix; together they are a (0, 2)-sequence: of the first 2^m points, every
+/// elementary interval of area 2^-m holds one. Scrambling preserves this property and makes every
+/// point uniform in the square.
 ///
 /// The digits of a coordinate are flipped by random bits, each of which depends on all preceding
 /// digits. Every point draws a word of bits for each coordinate; the flip of a digit comes from the
 /// word of the first point of the sequence that has the same preceding digits, which is the point
 /// itself from the digit on that distinguishes it from all points before it. The cost is at most 32
 /// steps and 16 bytes per point.
+///
+/// ```
+/// use sphvar_samplers::{Purpose, SobolSequence, SquareSampler, Streams};
+/// let mut rng = Streams::new(0, Purpose::Pattern, 16).realization(0);
+/// let points = SobolSequence::new(16)?.sample(&mut rng)?.points;
+/// // One point in each cell of a 4 x 4 grid.
+/// let mut cells: Vec<_> = points.iter().map(|p| p.map(|x| (4.0 * x) as u8)).collect();
+/// cells.sort();
+/// cells.dedup();
+/// assert_eq!(cells.len(), 16);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SobolSequence {
     n: u32,
@@ -89,6 +104,23 @@ impl Definition<Square> for Parameters {
     }
 }
 
+/// Returns the digits of the second coordinate of point `i`, with the first digit in the highest
+/// bit.
+fn second_coordinate(i: u32) -> u32 {
+    let mut rest = i;
+    let mut direction = 1 << 31;
+    let mut digits = 0;
+    while rest > 0 {
+        if rest & 1 == 1 {
+            digits ^= direction;
+        }
+        // Row by row of Pascal's triangle modulo 2.
+        direction ^= direction >> 1;
+        rest >>= 1;
+    }
+    digits
+}
+
 /// Returns the scrambled digits of a coordinate of point `i`; the first digit is the highest bit.
 ///
 /// `next` returns the column of the inverse generator matrix that follows a column, with row 0 in
@@ -111,6 +143,26 @@ fn scrambled(i: u32, digits: u32, next: impl Fn(u32) -> u32, word: impl Fn(usize
 #[cfg(test)]
 mod tests {
     use super::{scrambled, second_coordinate};
+
+    #[test]
+    fn the_first_values_of_the_second_coordinate() {
+        let values = [0.0, 0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875];
+        for (i, expected) in (0..).zip(values) {
+            let value = f64::from(second_coordinate(i)) * 2f64.powi(-32);
+            assert!((value - expected).abs() <= 0.0, "i = {i}: {value}");
+        }
+    }
+
+    /// Digit r of the coordinate is the sum over digits c of i of binomial(c, r), modulo 2; by
+    /// Lucas's theorem that binomial is odd if the bits of r are a subset of those of c.
+    #[test]
+    fn the_generator_matrix_is_pascals_triangle() {
+        for i in (0..300).chain([1 << 31, u32::MAX, 0xdead_beef]) {
+            let digit = |r: u32| (0..32).filter(|c| i >> c & 1 == 1 && c & r == r).count() % 2;
+            let expected = (0..32).fold(0u32, |bits, r| bits << 1 | u32::from(digit(r) == 1));
+            assert_eq!(second_coordinate(i), expected, "i = {i}");
+        }
+    }
 
     /// The flip of every digit comes from the first point with the same preceding digits, found by
     /// a search.

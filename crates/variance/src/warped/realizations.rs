@@ -40,6 +40,7 @@ pub struct WarpedRealizations<'a> {
     samplers: &'a [Box<dyn SquareSampler>],
     seed: u64,
     purpose: Purpose,
+    are_prefixes: bool,
 }
 
 impl<'a> WarpedRealizations<'a> {
@@ -52,7 +53,15 @@ impl<'a> WarpedRealizations<'a> {
         seed: u64,
         purpose: Purpose,
     ) -> Self {
-        Self { strategies, heuristic, samplers, seed, purpose }
+        Self { strategies, heuristic, samplers, seed, purpose, are_prefixes: false }
+    }
+
+    /// Returns the ensemble of the sets that draw from the streams of sequences
+    /// ([`SquareSampler::sequence_group`]) where the samplers have them: the points of each strategy
+    /// are then the first points of larger sets, and differ from those of trials.
+    #[must_use]
+    pub fn of_prefixes(self) -> Self {
+        Self { are_prefixes: true, ..self }
     }
 
     /// Replaces `set` by realization `index`, strategy by strategy, and ticks the samplers' nominal
@@ -70,7 +79,8 @@ impl<'a> WarpedRealizations<'a> {
         set.start();
         let (mut square, mut samples) = (PointSet::default(), Vec::<WarpSample>::new());
         for (i, (strategy, sampler)) in self.strategies.iter().zip(self.samplers).enumerate() {
-            let group = sampler.stream_group() ^ strategy_group(i);
+            let shared = sampler.sequence_group().filter(|_| self.are_prefixes);
+            let group = shared.unwrap_or_else(|| sampler.stream_group()) ^ strategy_group(i);
             let streams = Streams::new(self.seed, self.purpose, group);
             let sets = SquareRealizations::shifted(&**sampler, streams);
             sets.realize_into(index, &mut square, progress)?;
