@@ -25,7 +25,8 @@
 //! included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`] and [`rank`]
 //! compare patterns. [`FixedOrientation`] has the errors of patterns that are not rotated.
 //! A [`WarpedPredictor`] predicts importance sampling: patterns of the square that are mapped to
-//! directions of known densities. [`integrate`] doubles the number of points until a tolerance is met.
+//! directions of known densities. A [`ProgressivePredictor`] has the errors of all prefixes of a
+//! sequence. [`integrate`] doubles the number of points until a tolerance is met.
 
 mod adapted;
 mod candidate;
@@ -48,6 +49,7 @@ mod predicted_point;
 mod prediction;
 mod prediction_budget;
 mod predictor;
+mod progressive;
 mod rate;
 mod relative_error;
 mod required_points;
@@ -79,6 +81,10 @@ pub use predicted_point::{PredictedPoint, PredictedVariance};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use prediction_budget::{PredictionBudget, SpectrumOptions};
 pub use predictor::{Predictor, PredictorOn};
+pub use progressive::{
+    Factors, PrefixMeasurement, ProgressiveCurve, ProgressivePoint, ProgressivePredictor,
+    ProgressiveSpace, Randomized,
+};
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
 pub use required_points::{RequiredPoints, required_points, valid_between};

@@ -233,7 +233,12 @@ impl Experiment {
         Ok(self.comparison(prediction, measurement))
     }
 
-    fn comparison(&self, prediction: Prediction, measurement: Measurement) -> Comparison {
+    /// Returns the comparison of a prediction with a measurement.
+    pub(crate) fn comparison(
+        &self,
+        prediction: Prediction,
+        measurement: Measurement,
+    ) -> Comparison {
         Comparison {
             n_points: self.n_points,
             prediction,

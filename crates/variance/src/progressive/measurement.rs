@@ -1,0 +1,180 @@
+use rayon::prelude::{
+    IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator, ParallelSliceMut,
+};
+use sphvar_samplers::{Ensemble, PointSet, Progress, Purpose, Streams};
+
+use super::space::ProgressiveSpace;
+use super::{ProgressivePoint, Randomized};
+use crate::estimates::evaluation_work;
+use crate::trials::Experiment;
+use crate::{Comparison, Error, Measurement, PredictorOn, RelativeError};
+
+/// The variance of the estimates of independent trials from the first points of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrefixMeasurement {
+    /// The variance of the estimates. For sets as they are drawn, with a known integral, it is the
+    /// mean squared deviation from the integral instead; see [`is_about_exact`](Self::is_about_exact).
+    pub variance: f64,
+    /// The standard error of the variance.
+    pub stderr: f64,
+    /// The end points of the 95 % confidence interval; `None` if too few trials decide about the
+    /// variance.
+    pub interval: Option<(f64, f64)>,
+    /// The difference of measured and predicted variance in standard errors,
+    /// [`Comparison::z_score`](crate::Comparison::z_score); NaN without a prediction.
+    pub z: f64,
+    /// The mean estimate.
+    pub mean: f64,
+    /// The standard error of the mean.
+    pub mean_stderr: f64,
+    /// Mean minus exact integral in standard errors; NaN if the integral is unknown or too few
+    /// trials hit the integrand.
+    pub bias_z: f64,
+    /// Whether the variance is the mean squared deviation from the exact integral.
+    pub is_about_exact: bool,
+    /// Whether too few trials hit the integrand's variation for an interval or a score.
+    pub has_too_few_hits: bool,
+    /// The number of trials.
+    pub trials: u64,
+}
+
+/// The confidence of intervals.
+const CONFIDENCE: f64 = 0.95;
+/// The number of estimates that are kept in memory at a time, 512 MiB.
+const MAX_ESTIMATES: usize = 1 << 26;
+
+/// Trials of all prefixes of a sequence.
+pub(super) struct PrefixTrials<'s, S: ProgressiveSpace> {
+    pub(super) sampler: S::SamplerRef<'s>,
+    pub(super) group: usize,
+    pub(super) trials: u64,
+    pub(super) randomized: Randomized,
+}
+
+impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
+    /// Returns the points with measured variances.
+    pub(super) fn measured(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+        points: Vec<ProgressivePoint>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<ProgressivePoint>, Error> {
+        let randomized = self.randomized;
+        let trials = usize::try_from(self.trials).unwrap_or(usize::MAX);
+        // A block of prefixes repeats the trials, so that memory is bounded.
+        let block = (MAX_ESTIMATES / trials.max(1)).max(1);
+        let mut measured = Vec::with_capacity(points.len());
+        for points in points.chunks(block) {
+            let counts: Vec<usize> = points.iter().map(|point| point.n_points).collect();
+            let rows = self.estimates(predictor, &counts, progress)?;
+            let experiments = counts.iter().map(|&n_points| {
+                S::with_prefix(self.sampler, n_points, self.group, |prefix| {
+                    Ok(predictor.experiment(prefix))
+                })
+            });
+            let experiments = experiments.collect::<Result<Vec<_>, Error>>()?;
+            let of_prefix =
+                |(i, (point, experiment)): (usize, (&ProgressivePoint, &Experiment))| {
+                    progress.tick(0.0)?;
+                    let estimates = rows.iter().skip(i).step_by(counts.len()).copied().collect();
+                    let comparison =
+                        experiment.comparison(point.prediction, Measurement::new(estimates));
+                    let measurement = PrefixMeasurement::of(&comparison, randomized);
+                    Ok(ProgressivePoint { measurement: Some(measurement), ..point.clone() })
+                };
+            let pairs = points.par_iter().zip(&experiments).enumerate();
+            let found: Result<Vec<_>, Error> = pairs.map(of_prefix).collect();
+            measured.extend(found?);
+        }
+        Ok(measured)
+    }
+
+    /// Returns the estimates from the prefixes, trial by trial.
+    fn estimates(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+        counts: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
+        let streams = Streams::new(predictor.seed(), Purpose::Trial, self.group);
+        let sets = match self.randomized {
+            Randomized::Rotated => S::realizations(self.sampler, streams),
+            Randomized::AsDrawn => S::as_drawn(self.sampler, streams),
+        };
+        let (integrand, area) = (predictor.integrand(), predictor.space().area());
+        let last = counts.last().copied().unwrap_or(0);
+        let trial = |(set, values): &mut (PointSet<S::Point>, Vec<f64>),
+                     (index, row): (usize, &mut [f64])| {
+            sets.realize_into(index as u64, set, progress).map_err(sphvar_spectrum::Error::from)?;
+            set.points.truncate(last);
+            set.normalize_weights();
+            values.clear();
+            values.resize(set.len(), 0.0);
+            S::eval_into(integrand, &set.points, values)?;
+            progress.tick(evaluation_work(set.len()))?;
+            prefix_means(set, values, counts, row);
+            row.iter_mut().for_each(|mean| *mean *= area);
+            Ok::<(), Error>(())
+        };
+        let trials = usize::try_from(self.trials).unwrap_or(usize::MAX);
+        let mut rows = vec![0.0; trials.saturating_mul(counts.len())];
+        rows.par_chunks_exact_mut(counts.len().max(1))
+            .enumerate()
+            .try_for_each_init(Default::default, trial)?;
+        Ok(rows)
+    }
+}
+
+impl PrefixMeasurement {
+    /// Returns what a comparison says of the variance of trials.
+    fn of(comparison: &Comparison, randomized: Randomized) -> Self {
+        let Comparison { measurement, prediction, exact, .. } = comparison;
+        let variance = measurement.variance();
+        let own = Self {
+            variance,
+            stderr: variance * comparison.error().relative(),
+            interval: comparison.measured_interval(CONFIDENCE),
+            z: comparison.z_score(),
+            mean: measurement.mean(),
+            mean_stderr: measurement.mean_stderr(),
+            bias_z: comparison.bias().map_or(f64::NAN, |test| test.z),
+            is_about_exact: false,
+            has_too_few_hits: comparison.has_too_few_hits(),
+            trials: measurement.estimates().len() as u64,
+        };
+        let is_about_exact = randomized == Randomized::AsDrawn && prediction.is_unknown();
+        match exact.filter(|_| is_about_exact) {
+            Some(exact) => own.about(exact, measurement.estimates()),
+            None => own,
+        }
+    }
+
+    /// Returns the measurement with the mean squared deviation from the exact integral.
+    fn about(self, exact: f64, estimates: &[f64]) -> Self {
+        let squares = Measurement::new(estimates.iter().map(|x| (x - exact).powi(2)).collect());
+        let variance = squares.mean();
+        let relative = if variance > 0.0 { squares.mean_stderr() / variance } else { 0.0 };
+        let error = RelativeError::new(estimates.len(), relative);
+        Self {
+            variance,
+            stderr: variance * error.relative(),
+            interval: error.interval(variance, CONFIDENCE),
+            is_about_exact: true,
+            ..self
+        }
+    }
+}
+
+/// Writes the weighted means of the first values of a set.
+fn prefix_means<P>(set: &PointSet<P>, values: &[f64], counts: &[usize], means: &mut [f64]) {
+    let (mut sum, mut weights, mut next) = (0.0, 0.0, 0);
+    for (mean, &count) in means.iter_mut().zip(counts) {
+        for k in next..count.min(values.len()) {
+            let weight = set.weights.get(k).copied().unwrap_or(1.0);
+            sum += weight * values[k];
+            weights += weight;
+        }
+        next = count;
+        *mean = sum / weights;
+    }
+}

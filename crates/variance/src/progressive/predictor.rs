@@ -1,0 +1,168 @@
+use sphvar_samplers::{Domain, Progress};
+
+use super::measurement::PrefixTrials;
+use super::space::{ProgressiveSpace, is_homogeneous};
+use super::{ProgressiveCurve, ProgressivePoint, Randomized};
+use crate::{Error, Prediction, PredictorOn};
+
+/// Predicts and measures the variance of integrating one function with every prefix of a sequence.
+///
+/// Prefixes of one realization have the same points, so errors of neighbouring prefixes are
+/// correlated. All prefixes share the random streams of the sequence.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_integrands::Cap;
+/// use sphvar_samplers::{Domain, Pattern};
+/// use sphvar_variance::{PredictionBudget, Predictor, ProgressivePredictor, Randomized};
+///
+/// let cap = Cap::from_degrees(60.0)?;
+/// let predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
+/// let mut predictor = ProgressivePredictor::new(predictor);
+/// let halton = "halton".parse::<Pattern>()?.build(64, Domain::Sphere)?;
+/// let counts = [16, 32, 64];
+/// let curve = predictor.curve(&*halton, 0, &counts, 400, Randomized::Rotated, &())?;
+/// for point in curve.points {
+///     assert!(point.measurement.unwrap().z.abs() < 4.0);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct ProgressivePredictor<'a, S: ProgressiveSpace = Domain> {
+    predictor: PredictorOn<'a, S>,
+}
+
+impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
+    /// Returns the predictor of prefixes with the integrand, the seed, the budget and the options of
+    /// a predictor of single sets.
+    #[must_use]
+    pub fn new(predictor: PredictorOn<'a, S>) -> Self {
+        Self { predictor }
+    }
+
+    /// Returns the predictor of single sets for the same integrand, such as those of a reference.
+    pub fn of_sets(&mut self) -> &mut PredictorOn<'a, S> {
+        &mut self.predictor
+    }
+
+    /// Returns the predicted variances of the prefixes with `counts` points, distinct and in
+    /// increasing order, of a sequence that is uniformly rotated, on the square shifted. `group` is
+    /// the number of the random streams of the sequence. Ticks at most [`Self::work`].
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Parameter`] for counts that are not increasing or not between 1 and the
+    /// number of points of the sampler, and the errors of
+    /// [`PredictorOn::predict`](crate::PredictorOn::predict).
+    pub fn predict(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        counts: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<ProgressiveCurve, Error> {
+        check_counts(counts, S::n_points(sampler))?;
+        let mut realizations = 0;
+        let mut predict = |&n_points: &usize| {
+            let point = S::with_prefix(sampler, n_points, group, |prefix| {
+                self.predictor.predict(prefix, progress)
+            })?;
+            realizations = realizations.max(point.spectrum.realizations());
+            Ok(ProgressivePoint { n_points, prediction: point.prediction, measurement: None })
+        };
+        let points = counts.iter().map(&mut predict).collect::<Result<_, Error>>()?;
+        Ok(ProgressiveCurve { points, realizations })
+    }
+
+    /// Returns the curve with the variances measured from `trials` realizations, which are
+    /// independent of those of the predictions. All prefixes of a trial are those of one
+    /// realization.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of the sampler and the integrand, and an error if `progress` stops the
+    /// work.
+    pub fn measure(
+        &self,
+        curve: ProgressiveCurve,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        trials: u64,
+        randomized: Randomized,
+        progress: &dyn Progress,
+    ) -> Result<ProgressiveCurve, Error> {
+        let trials = PrefixTrials { sampler, group, trials, randomized };
+        let points = trials.measured(&self.predictor, curve.points, progress)?;
+        Ok(ProgressiveCurve { points, ..curve })
+    }
+
+    /// Returns the predicted variances, where they are known, and the measured ones, unless `trials`
+    /// is 0.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] and [`Self::measure`].
+    pub fn curve(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        counts: &[usize],
+        trials: u64,
+        randomized: Randomized,
+        progress: &dyn Progress,
+    ) -> Result<ProgressiveCurve, Error> {
+        let is_predicted = randomized == Randomized::Rotated || is_homogeneous::<S>(sampler);
+        let curve = if is_predicted {
+            self.predict(sampler, group, counts, progress)?
+        } else {
+            check_counts(counts, S::n_points(sampler))?;
+            unknown(counts)
+        };
+        if trials == 0 {
+            return Ok(curve);
+        }
+        self.measure(curve, sampler, group, trials, randomized, progress)
+    }
+
+    /// Returns the maximum nominal work of [`Self::curve`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
+    pub fn work(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        counts: &[usize],
+        trials: u64,
+    ) -> Result<f64, Error> {
+        let mut work = trials as f64 * crate::estimates::trial_work_of::<S>(sampler);
+        for &n_points in counts {
+            work += S::with_prefix(sampler, n_points, 0, |prefix| self.predictor.work(prefix))?;
+        }
+        Ok(work)
+    }
+}
+
+/// Returns the curve without predictions.
+fn unknown(counts: &[usize]) -> ProgressiveCurve {
+    let point = |&n_points: &usize| ProgressivePoint {
+        n_points,
+        prediction: Prediction::UNKNOWN,
+        measurement: None,
+    };
+    ProgressiveCurve { points: counts.iter().map(point).collect(), realizations: 0 }
+}
+
+/// Checks that numbers of points are distinct, increasing and those of prefixes.
+fn check_counts(counts: &[usize], n_points: usize) -> Result<(), Error> {
+    let is_increasing = counts.windows(2).all(|pair| pair[0] < pair[1]);
+    let out_of_range = counts.iter().find(|&&n| n == 0 || n > n_points || !is_increasing);
+    match out_of_range {
+        None => Ok(()),
+        Some(&n) => {
+            let range = "increasing, from 1 to the number of points of the sequence";
+            Err(Error::Parameter { name: "numbers of points", range, got: n as f64 })
+        }
+    }
+}
