@@ -3,6 +3,7 @@
 
 mod covering_radius;
 mod descent;
+mod design;
 mod riesz_energy;
 mod spectral_control;
 mod square_spectral_control;

@@ -1,0 +1,6 @@
+//! Spherical designs: sets of equal weights that integrate every polynomial up to a degree exactly
+//! (Delsarte, Goethals and Seidel 1977).
+
+mod equations;
+
+pub(crate) use equations::{DesignEquations, Solved};
