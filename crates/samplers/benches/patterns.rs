@@ -96,7 +96,7 @@ fn spectral_control(c: &mut Criterion) {
 fn survey(c: &mut Criterion) {
     const LINEAR: [&str; 6] = ["equal-area", "spiral", "sobol", "halton", "hammersley", "lloyd"];
     // Seconds a set of 4096.
-    const QUADRATIC: [&str; 2] = ["riesz", "best-candidate"];
+    const QUADRATIC: [&str; 3] = ["riesz", "best-candidate", "leja"];
     let parsed = |name: &str| name.parse::<Pattern>().expect("the name of a pattern");
     let mut samplers = Vec::new();
     for name in LINEAR {

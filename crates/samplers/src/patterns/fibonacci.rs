@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use glam::DVec3;
 use rand::Rng;
 use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_warps::archimedes;
@@ -60,6 +61,18 @@ impl Fibonacci {
         }
         Ok(Self { n_points, domain, offset })
     }
+
+    /// Returns the points of the lattice.
+    pub(crate) fn points(self) -> impl Iterator<Item = DVec3> {
+        let ends = 2.0 * self.offset;
+        // With the default offset this is the number of points on the sphere, without rounding.
+        let span = (self.domain.count_on_sphere(self.n_points) - 1.0) + ends;
+        (0..self.n_points).map(move |j| {
+            // A single point without an offset is between the poles, as with any other offset.
+            let drop = if span > 0.0 { ((2 * j) as f64 + ends) * (1.0 / span) } else { 1.0 };
+            archimedes(drop, TAU * golden_turns(j))
+        })
+    }
 }
 
 impl Sampler for Fibonacci {
@@ -76,15 +89,7 @@ impl Sampler for Fibonacci {
     }
 
     fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
-        let points = set.start();
-        let ends = 2.0 * self.offset;
-        // With the default offset this is the number of points on the sphere, without rounding.
-        let span = (self.domain.count_on_sphere(self.n_points) - 1.0) + ends;
-        points.extend((0..self.n_points).map(|j| {
-            // A single point without an offset is between the poles, as with any other offset.
-            let drop = if span > 0.0 { ((2 * j) as f64 + ends) * (1.0 / span) } else { 1.0 };
-            archimedes(drop, TAU * golden_turns(j))
-        }));
+        set.start().extend(self.points());
         Ok(())
     }
 }

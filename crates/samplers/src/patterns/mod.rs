@@ -25,6 +25,7 @@ pattern_list! {
     "equal-area" = equal_area::EqualArea(p: EqualAreaParameters): "one point in each of N zonal regions of equal area";
     "spiral" = spiral::Spiral: "the generalized spiral from pole to pole";
     "best-candidate" = best_candidate::BestCandidate(p: BestCandidateParameters): "each point the farthest of several uniform candidates";
+    "leja" = leja::Leja(p: LejaParameters): "each point maximizes the product of its distances from the others";
     "lloyd" = lloyd::Lloyd(p: LloydParameters): "white noise after some steps of Lloyd's relaxation";
     "riesz" = riesz::Riesz(p: RieszParameters): "white noise after some steps down a Riesz energy";
     "sobol" = sobol::Sobol: "Owen-scrambled Sobol points by the equal-area map";

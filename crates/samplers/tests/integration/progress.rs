@@ -43,8 +43,8 @@ impl Progress for Ticks {
 }
 
 /// The patterns whose realizations are made in steps.
-const ITERATIVE: [&str; 7] =
-    ["ccvt", "step", "blue", "lloyd", "riesz", "best-candidate", "poisson-disk"];
+const ITERATIVE: [&str; 8] =
+    ["ccvt", "step", "blue", "leja", "lloyd", "riesz", "best-candidate", "poisson-disk"];
 
 /// Returns the sampler of the valid count nearest to 500.
 fn near_500(pattern: &Pattern, domain: Domain) -> Box<dyn Sampler> {
