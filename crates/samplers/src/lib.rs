@@ -44,6 +44,7 @@
 //! - `serde`: serialization of [`Domain`] with serde. Off by default.
 
 mod count;
+mod cube_layers;
 mod definition;
 mod disks;
 mod ensemble;
@@ -57,6 +58,7 @@ mod optimization;
 mod pattern;
 mod pattern_list;
 mod patterns;
+mod rotations;
 mod rule;
 mod sampler;
 mod search;
@@ -67,6 +69,7 @@ mod tessellation;
 mod valid_counts;
 mod vector;
 
+pub use cube_layers::CellWeights;
 pub use definition::FileResolver;
 pub(crate) use ensemble::PointFiles;
 pub use ensemble::{
@@ -82,6 +85,7 @@ pub use optimization::{
     covering_radius, riesz_energy,
 };
 pub use patterns::*;
+pub use rotations::*;
 pub use rule::Rule;
 pub use sampler::Sampler;
 pub use search::{separation, toroidal_separation};

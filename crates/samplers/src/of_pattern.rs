@@ -7,9 +7,9 @@ use crate::{
 /// A sampler built from a pattern; the text of the pattern determines its random streams.
 #[derive(Debug)]
 pub(crate) struct OfPattern<S: ?Sized> {
-    sampler: Box<S>,
-    group: usize,
-    sequence_group: Option<usize>,
+    pub(crate) sampler: Box<S>,
+    pub(crate) group: usize,
+    pub(crate) sequence_group: Option<usize>,
 }
 
 impl<S: ?Sized> OfPattern<S> {

@@ -23,6 +23,13 @@ pub enum ValidCounts {
         /// The name of k, such as `nside`.
         root: &'static str,
     },
+    /// `unit k^3` for k = 1, 2, 3, ...
+    Cubes {
+        /// The smallest number, at least 1.
+        unit: usize,
+        /// The name of k, such as `nside`.
+        root: &'static str,
+    },
     /// `square k^2 - linear k + constant` for k = 1, 2, 3, ..., positive and increasing.
     Quadratic {
         /// The factor of k^2.
@@ -111,6 +118,7 @@ impl ValidCounts {
         match self {
             Self::Any => Some(k),
             Self::Squares { unit, .. } => k.checked_mul(k)?.checked_mul(*unit),
+            Self::Cubes { unit, .. } => k.checked_mul(k)?.checked_mul(k)?.checked_mul(*unit),
             Self::Quadratic { square, linear, constant, .. } => {
                 let above = k.checked_mul(k)?.checked_mul(*square)?.checked_add(*constant)?;
                 above.checked_sub(k.checked_mul(*linear)?)
@@ -128,6 +136,7 @@ impl fmt::Display for ValidCounts {
         match self {
             Self::Any => return f.write_str("any number from 1"),
             Self::Squares { unit, root } => term(f, *unit, &format!("{root}^2"))?,
+            Self::Cubes { unit, root } => term(f, *unit, &format!("{root}^3"))?,
             Self::Quadratic { square, linear, constant, root } => {
                 term(f, *square, &format!("{root}^2"))?;
                 if *linear > 0 {
@@ -174,7 +183,9 @@ mod tests {
             let counts = ValidCounts::Quadratic { square, linear, constant, root: "k" };
             (counts, (1..60).map(|k| square * k * k + constant - linear * k).collect())
         };
-        let rules: [(ValidCounts, Vec<usize>); 7] = [
+        let cubes = (1..60).map(|k| 72 * k * k * k).collect();
+        let rules: [(ValidCounts, Vec<usize>); 8] = [
+            (ValidCounts::Cubes { unit: 72, root: "k" }, cubes),
             squares(1),
             squares(6),
             squares(12),
@@ -211,6 +222,8 @@ mod tests {
         assert_eq!(squares.to_string(), "12 nside^2 (12, 48, 108, ...)");
         let squares = ValidCounts::Squares { unit: 1, root: "k" };
         assert_eq!(squares.to_string(), "k^2 (1, 4, 9, ...)");
+        let cubes = ValidCounts::Cubes { unit: 72, root: "nside" };
+        assert_eq!(cubes.to_string(), "72 nside^3 (72, 576, 1944, ...)");
         let rings = ValidCounts::Quadratic { square: 2, linear: 1, constant: 1, root: "L" };
         assert_eq!(rings.to_string(), "2 L^2 - L + 1 (2, 7, 16, ...)");
         let grid = ValidCounts::Quadratic { square: 10, linear: 0, constant: 2, root: "f" };

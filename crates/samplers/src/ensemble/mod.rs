@@ -14,5 +14,6 @@ pub use point_set::PointSet;
 pub use point_sets::PointSets;
 pub use progress::{Progress, SECONDS_PER_WORK, Share, Stopped};
 pub use realizations::{Ensemble, Realizations};
+pub(crate) use rotation::uniform_quaternion;
 pub use rotation::{rotate, uniform_rotation};
 pub use streams::{Purpose, Streams};

@@ -81,7 +81,7 @@ impl<S: Space> PointSets<S> {
     }
 
     /// Replaces the content of `set` by one of the sets, drawn uniformly.
-    fn draw(&self, rng: &mut dyn Rng, set: &mut PointSet<S::Point>) {
+    pub(crate) fn draw(&self, rng: &mut dyn Rng, set: &mut PointSet<S::Point>) {
         let at = if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) };
         set.clone_from(&self.sets[at]);
     }

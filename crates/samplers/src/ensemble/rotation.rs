@@ -17,12 +17,17 @@ use crate::Domain;
 /// assert!((r.determinant() - 1.0).abs() < 1e-14);
 /// ```
 pub fn uniform_rotation(rng: &mut dyn Rng) -> DMat3 {
+    DMat3::from_quat(uniform_quaternion(rng))
+}
+
+/// Returns the unit quaternion of a [`uniform_rotation`].
+pub(crate) fn uniform_quaternion(rng: &mut dyn Rng) -> DQuat {
     loop {
         let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
         let q = DQuat::from_xyzw(normal(), normal(), normal(), normal());
         // A quaternion this short (probability 1e-24) would lose digits when normalised.
         if q.length_squared() > 1e-12 {
-            return DMat3::from_quat(q.normalize());
+            return q.normalize();
         }
     }
 }

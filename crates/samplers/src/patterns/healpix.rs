@@ -112,7 +112,7 @@ pub(super) fn nside(
 }
 
 /// Returns the cells of the strata, face by face.
-pub(super) fn strata(nside: Nside, domain: Domain) -> impl Iterator<Item = Cell> {
+pub(crate) fn strata(nside: Nside, domain: Domain) -> impl Iterator<Item = Cell> {
     let side = 0..nside.value();
     (0..strata_faces(domain)).flat_map(move |face| {
         let side = side.clone();

@@ -8,6 +8,7 @@ mod poisson_disk;
 mod poisson_disk_square;
 mod progress;
 mod registry;
+mod rotations;
 mod rules;
 mod spectral_control;
 mod square;
