@@ -140,6 +140,9 @@ icosahedral 3242: 3242 2240 4 - fast
 cube-sphere 6: 6 320 154 0 exact
 cube-sphere 216: 216 560 50 0 exact
 cube-sphere 3174: 3174 2240 4 - fast
+sukharev 12: 12 320 154 0 exact
+sukharev 192: 192 520 58 0 exact
+sukharev 3072: 3072 2200 4 - fast
 ";
 const DEGREES: &str = "\
 cap sphere 1: 320

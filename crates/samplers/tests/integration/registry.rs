@@ -322,6 +322,7 @@ fn deterministic_patterns_have_one_set() {
         "lebedev",
         "icosahedral",
         "cube-sphere",
+        "sukharev",
         "equal-area:placement=centred",
         "fibonacci:offset=1.33",
         "cube-sphere:spacing=equidistant",
