@@ -128,8 +128,13 @@ fn the_resulting_numbers_have_the_requested_error() {
     const TRIALS: u64 = 3000;
     const ALPHA: f64 = 1e-4;
     let disks = "poisson-disk".parse::<Pattern>().unwrap();
-    let patterns =
-        [Pattern::WhiteNoise, Pattern::Jittered, Pattern::FIBONACCI, Pattern::Hammersley, disks];
+    let patterns = [
+        Pattern::WhiteNoise,
+        Pattern::Jittered,
+        Pattern::FIBONACCI,
+        "hammersley".parse().unwrap(),
+        disks,
+    ];
     let map = map();
     let integrands: [(&str, &dyn Integrand, f64); 2] =
         [("cap", &cap60(), 0.05), ("map", &map, 0.03)];
@@ -220,7 +225,9 @@ fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
     let ccvt = "ccvt".parse::<Pattern>().unwrap();
     // Variances of about 1000 and 100 points; predictions of this work reach 256 and 16.
-    for (pattern, variance, work) in [(Pattern::Halton, 1.3e-3, 1.5e4), (ccvt, 0.018, 1e5)] {
+    for (pattern, variance, work) in
+        [("halton".parse().unwrap(), 1.3e-3, 1.5e4), (ccvt, 0.018, 1e5)]
+    {
         let precision = PredictionBudget { relative: 0.03, work };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());

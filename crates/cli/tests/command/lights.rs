@@ -155,7 +155,7 @@ fn mistakes_are_named() {
             "unknown density \"nope\"; valid: luminance",
         ),
         ("lights sky.exr --samplers median", "median-cut"),
-        ("lights sky.exr --samplers r2", "r2:warp=luminance"),
+        ("lights sky.exr --samplers latin-hypercube", "latin-hypercube:warp=luminance"),
         ("lights sky.exr --samplers median-cut:capacity=3", "capacity"),
         ("lights sky.exr --samplers healpix -n 13", "use --nearest"),
         ("lights sky.exr -o lights.npy", "written as .csv, .json or .glsl"),

@@ -37,6 +37,7 @@ mod render;
 mod reproduction;
 mod sampler_arguments;
 mod schemas;
+mod sequences;
 mod several_integrals;
 mod shards;
 mod square;

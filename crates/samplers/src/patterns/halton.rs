@@ -1,16 +1,13 @@
-use sphvar_grammar::Parametric;
+use super::{MappedParameters, MappedPattern, Randomization};
+use crate::{CostOrder, Halton, PatternFacts, Rate, SphereMap};
 
-use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Halton, OnSphere, PatternFacts, Rate, Sampler, Shifted};
+/// Parameters of the pattern [`Halton`] on the sphere.
+pub type HaltonParameters = MappedParameters<Halton>;
 
-/// [`Halton`] points with a random shift by the equal-area map. The shift of the second
-/// coordinate is a rotation about the axis. No parameters.
-pub(super) struct Parameters;
+impl MappedPattern for Halton {
+    const RANDOMIZATION: Randomization = Randomization::Shift;
 
-impl Parametric for Parameters {}
-
-impl Definition for Parameters {
-    fn facts(&self) -> PatternFacts {
+    fn facts_on_sphere(_: Randomization, _: SphereMap) -> PatternFacts {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
@@ -19,9 +16,5 @@ impl Definition for Parameters {
             is_extensible: true,
             source: "Halton 1960; Cranley and Patterson 1976",
         }
-    }
-
-    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(OnSphere::new(Shifted::new(Halton::new(n_points)?), domain)))
     }
 }

@@ -1,16 +1,13 @@
-use sphvar_grammar::Parametric;
+use super::{MappedParameters, MappedPattern, Randomization};
+use crate::{CostOrder, Hammersley, PatternFacts, Rate, SphereMap};
 
-use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Hammersley, OnSphere, PatternFacts, Rate, Sampler, Shifted};
+/// Parameters of the pattern [`Hammersley`] on the sphere.
+pub type HammersleyParameters = MappedParameters<Hammersley>;
 
-/// [`Hammersley`] points with a random shift by the equal-area map: the heights are an
-/// arithmetic progression, and the shift of the second coordinate is a rotation about the axis. No parameters.
-pub(super) struct Parameters;
+impl MappedPattern for Hammersley {
+    const RANDOMIZATION: Randomization = Randomization::Shift;
 
-impl Parametric for Parameters {}
-
-impl Definition for Parameters {
-    fn facts(&self) -> PatternFacts {
+    fn facts_on_sphere(_: Randomization, _: SphereMap) -> PatternFacts {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
@@ -19,10 +16,5 @@ impl Definition for Parameters {
             is_extensible: false,
             source: "Hammersley 1960; Cranley and Patterson 1976",
         }
-    }
-
-    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        let shifted = Shifted::new(Hammersley::new(n_points)?);
-        Ok(Box::new(OnSphere::new(shifted, domain)))
     }
 }

@@ -7,6 +7,10 @@ use crate::Domain;
 use crate::definition::Definition;
 use crate::pattern_list::{PatternList, definition, pattern_list};
 
+mod mapped;
+
+pub use mapped::{MappedParameters, MappedPattern, Randomization};
+
 pattern_list! {
     /// The patterns of this crate, by name, with their parameters.
     ///
@@ -28,9 +32,11 @@ pattern_list! {
     "leja" = leja::Leja(p: LejaParameters): "each point maximizes the product of its distances from the others";
     "lloyd" = lloyd::Lloyd(p: LloydParameters): "white noise after some steps of Lloyd's relaxation";
     "riesz" = riesz::Riesz(p: RieszParameters): "white noise after some steps down a Riesz energy";
-    "sobol" = sobol::Sobol: "Owen-scrambled Sobol points by the equal-area map";
-    "halton" = halton::Halton: "randomly shifted Halton points by the equal-area map";
-    "hammersley" = hammersley::Hammersley: "randomly shifted Hammersley points by the equal-area map";
+    "sobol" = sobol::Sobol(p: SobolParameters): "Sobol points, Owen-scrambled, by an equal-area map";
+    "halton" = halton::Halton(p: HaltonParameters): "Halton points, randomly shifted, by an equal-area map";
+    "hammersley" = hammersley::Hammersley(p: HammersleyParameters): "Hammersley points, randomly shifted, by an equal-area map";
+    "r2" = r2::R2(p: R2Parameters): "the sequence R2, randomly shifted, by an equal-area map";
+    "pmj02" = pmj02::Pmj02(p: Pmj02Parameters): "progressive multi-jittered (0,2) samples by an equal-area map";
     "gauss-legendre" = gauss_legendre::GaussLegendre: "quadrature, rings at Gauss-Legendre nodes";
     "driscoll-healy" = driscoll_healy::DriscollHealy: "quadrature, equiangular rings and a pole";
     "mcewen-wiaux" = mcewen_wiaux::McEwenWiaux: "quadrature, half as many equiangular rings";

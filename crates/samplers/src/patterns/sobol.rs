@@ -1,15 +1,13 @@
-use sphvar_grammar::Parametric;
+use super::{MappedParameters, MappedPattern, Randomization};
+use crate::{CostOrder, PatternFacts, Rate, SobolSequence, SphereMap};
 
-use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, OnSphere, PatternFacts, Rate, Sampler, SobolSequence};
+/// Parameters of the pattern [`SobolSequence`] on the sphere.
+pub type SobolParameters = MappedParameters<SobolSequence>;
 
-/// No parameters.
-pub(super) struct Parameters;
+impl MappedPattern for SobolSequence {
+    const RANDOMIZATION: Randomization = Randomization::Owen;
 
-impl Parametric for Parameters {}
-
-impl Definition for Parameters {
-    fn facts(&self) -> PatternFacts {
+    fn facts_on_sphere(_: Randomization, _: SphereMap) -> PatternFacts {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
@@ -18,9 +16,5 @@ impl Definition for Parameters {
             is_extensible: true,
             source: "Sobol 1967; Owen 1995",
         }
-    }
-
-    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(OnSphere::new(SobolSequence::new(n_points)?, domain)))
     }
 }

@@ -1,26 +1,28 @@
 use rand::Rng;
-use sphvar_grammar::Parametric;
 
 use super::POINTS_PER_TICK;
 use super::radical_inverse::fraction;
-use crate::definition::Definition;
+use super::scrambled_pattern::{ScrambledParameters, ScrambledPattern};
+use super::scrambling::{Scrambling, branch};
 use crate::{
-    CostOrder, Error, PatternFacts, PointSet, Progress, Rate, Square, SquareSampler, count,
+    CostOrder, Error, PatternFacts, PointSet, Progress, Rate, SquareDistribution, SquareSampler,
+    count,
 };
 
-/// The sequence of Sobol in two dimensions (Sobol 1967) under nested uniform scrambling (Owen 1995),
-/// drawn point by point: the first points of a realization do not depend on the number of points.
+/// The sequence of Sobol in two dimensions (Sobol 1967), by default under nested uniform scrambling
+/// (Owen 1995), drawn point by point: the first points of a realization do not depend on the number
+/// of points.
 ///
 /// The first coordinate is the radical inverse in base 2, the second has Pascal's triangle modulo 2
 /// as its generator matrix; together they are a (0, 2)-sequence: of the first 2^m points, every
 /// elementary interval of area 2^-m holds one. Scrambling preserves this property and makes every
 /// point uniform in the square.
 ///
-/// The digits of a coordinate are flipped by random bits, each of which depends on all preceding
-/// digits. Every point draws a word of bits for each coordinate; the flip of a digit comes from the
-/// word of the first point of the sequence that has the same preceding digits, which is the point
-/// itself from the digit on that distinguishes it from all points before it. The cost is at most 32
-/// steps and 16 bytes per point.
+/// In nested uniform scrambling, the digits of a coordinate are flipped by random bits, each of
+/// which depends on all preceding digits. For 2^k <= i < 2^(k+1), one of the first 2^k points has
+/// the first k digits in common with point i and differs in the next: the scrambled digits follow
+/// from those of that point, and all later digits are random. The cost is 16 bytes and a few steps
+/// per point.
 ///
 /// ```
 /// use sphvar_samplers::{Purpose, SobolSequence, SquareSampler, Streams};
@@ -33,25 +35,30 @@ use crate::{
 /// assert_eq!(cells.len(), 16);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SobolSequence {
     n: u32,
+    scrambling: Scrambling,
 }
 
 impl SobolSequence {
-    /// Returns the first `n_points` points.
+    /// Returns the first `n_points` points under nested uniform scrambling.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless `n_points` is from 1 to `u32::MAX`.
     pub fn new(n_points: usize) -> Result<Self, Error> {
-        Ok(Self { n: count::checked(n_points)? })
+        Self::scrambled(n_points, Scrambling::Owen)
     }
 }
 
 impl SquareSampler for SobolSequence {
     fn n_points(&self) -> usize {
         self.n as usize
+    }
+
+    fn distribution(&self) -> SquareDistribution<'_> {
+        self.scrambling.distribution()
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
@@ -65,44 +72,76 @@ impl SquareSampler for SobolSequence {
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let points = set.start();
-        let mut words: Vec<[u64; 2]> = Vec::with_capacity(self.n_points());
+        points.reserve(self.n_points());
+        let shift = match self.scrambling {
+            Scrambling::Digital => [rng.next_u64(), rng.next_u64()],
+            Scrambling::None | Scrambling::Owen => [0; 2],
+        };
+        let mut scrambled: Vec<[u64; 2]> = Vec::new();
         for i in 0..self.n {
             if i.is_multiple_of(POINTS_PER_TICK) {
                 progress.tick(0.0)?;
             }
-            words.push([rng.next_u64(), rng.next_u64()]);
-            // The columns of the inverse generator matrices, modulo 2: the identity, and Pascal's
-            // triangle, which is its own inverse.
-            let u = scrambled(i, i.reverse_bits(), |column| column << 1, |j| words[j][0]);
-            let v = scrambled(i, second_coordinate(i), |c| c ^ c << 1, |j| words[j][1]);
-            points.push([fraction(u), fraction(v)]);
+            let digits = if self.scrambling == Scrambling::Owen {
+                let words = [rng.next_u64(), rng.next_u64()];
+                let digits = i.checked_ilog2().map_or(words, |k| {
+                    let parents = [i ^ 1 << k, i ^ PASCAL[k as usize]];
+                    [0, 1].map(|d| branch(scrambled[parents[d] as usize][d], k, words[d]))
+                });
+                scrambled.push(digits);
+                digits
+            } else {
+                let digits = [i.reverse_bits(), second_coordinate(i)];
+                [0, 1].map(|d| u64::from(digits[d]) << 32 ^ shift[d])
+            };
+            points.push(digits.map(fraction));
         }
         Ok(())
     }
 }
 
-/// No parameters.
-pub(super) struct Parameters;
+impl ScrambledPattern for SobolSequence {
+    const SCRAMBLING: Scrambling = Scrambling::Owen;
 
-impl Parametric for Parameters {}
+    fn scrambled(n_points: usize, scrambling: Scrambling) -> Result<Self, Error> {
+        Ok(Self { n: count::checked(n_points)?, scrambling })
+    }
 
-impl Definition<Square> for Parameters {
-    fn facts(&self) -> PatternFacts {
+    fn facts(scrambling: Scrambling) -> PatternFacts {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
-            // Owen 1997, for N = 2^m; about N^-2 for other N.
-            smooth_rate: Rate::Power { exponent: -3.0, logarithm: 1.0 },
+            smooth_rate: match scrambling {
+                // Owen 1997, for N = 2^m; about N^-2 for other N.
+                Scrambling::Owen => Rate::Power { exponent: -3.0, logarithm: 1.0 },
+                Scrambling::None | Scrambling::Digital => Rate::power(-2.0),
+            },
             jump_rate: Rate::power(-1.5),
             is_extensible: true,
-            source: "Sobol 1967; Owen 1995",
+            source: match scrambling {
+                Scrambling::Owen => "Sobol 1967; Owen 1995",
+                Scrambling::None | Scrambling::Digital => "Sobol 1967",
+            },
         }
     }
-
-    fn build(&self, n_points: usize, _: Square) -> Result<Box<dyn SquareSampler>, Error> {
-        Ok(Box::new(SobolSequence::new(n_points)?))
-    }
 }
+
+/// Parameters of the pattern [`SobolSequence`] of the square.
+pub type SquareSobolParameters = ScrambledParameters<SobolSequence>;
+
+/// The columns of Pascal's triangle modulo 2: bit r of column k is that of binomial(k, r).
+///
+/// The triangle is its own inverse, so point `i ^ PASCAL[k]` has the digits of the second coordinate
+/// of point i but for digit k, for 2^k <= i < 2^(k+1).
+const PASCAL: [u32; 32] = {
+    let mut columns = [1; 32];
+    let mut k = 1;
+    while k < 32 {
+        columns[k] = columns[k - 1] ^ columns[k - 1] << 1;
+        k += 1;
+    }
+    columns
+};
 
 /// Returns the digits of the second coordinate of point `i`, with the first digit in the highest
 /// bit.
@@ -121,28 +160,9 @@ fn second_coordinate(i: u32) -> u32 {
     digits
 }
 
-/// Returns the scrambled digits of a coordinate of point `i`; the first digit is the highest bit.
-///
-/// `next` returns the column of the inverse generator matrix that follows a column, with row 0 in
-/// the lowest bit; `word` returns the random bits of a point.
-fn scrambled(i: u32, digits: u32, next: impl Fn(u32) -> u32, word: impl Fn(usize) -> u64) -> u64 {
-    // Among the first 2^l points, each string of l digits occurs once.
-    let shared = u32::BITS - i.leading_zeros();
-    let (mut first, mut column, mut flips) = (0, 1, 0);
-    for level in 0..shared {
-        flips |= word(first as usize) & 1 << (63 - level);
-        if digits >> (31 - level) & 1 == 1 {
-            first ^= column;
-        }
-        column = next(column);
-    }
-    flips |= word(i as usize) & u64::MAX >> shared;
-    u64::from(digits) << 32 ^ flips
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{scrambled, second_coordinate};
+    use super::second_coordinate;
 
     #[test]
     fn the_first_values_of_the_second_coordinate() {
@@ -161,36 +181,6 @@ mod tests {
             let digit = |r: u32| (0..32).filter(|c| i >> c & 1 == 1 && c & r == r).count() % 2;
             let expected = (0..32).fold(0u32, |bits, r| bits << 1 | u32::from(digit(r) == 1));
             assert_eq!(second_coordinate(i), expected, "i = {i}");
-        }
-    }
-
-    /// The flip of every digit comes from the first point with the same preceding digits, found by
-    /// a search.
-    #[test]
-    fn flips_are_shared_by_points_with_equal_digits() {
-        // A word that tells which point it is of, at every digit: bit 63 - l of hash(j).
-        let word = |j: usize| (j as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(17);
-        let pascal = |c: u32| c ^ c << 1;
-        for i in (0..200).chain([1000, 1023, 1024]) {
-            for coordinate in [0, 1] {
-                let digits_of =
-                    |i: u32| if coordinate == 0 { i.reverse_bits() } else { second_coordinate(i) };
-                let mut expected = u64::from(digits_of(i)) << 32;
-                for level in 0..64 {
-                    let shares = |j: &u32| {
-                        let differ = u64::from(digits_of(i) ^ digits_of(*j)) << 32;
-                        differ.checked_shr(64 - level).unwrap_or(0) == 0
-                    };
-                    let first = (0..=i).find(shares).unwrap();
-                    expected ^= word(first as usize) & 1 << (63 - level);
-                }
-                let digits = digits_of(i);
-                let got = match coordinate {
-                    0 => scrambled(i, digits, |c| c << 1, word),
-                    _ => scrambled(i, digits, pascal, word),
-                };
-                assert_eq!(got, expected, "i = {i}, coordinate {coordinate}");
-            }
         }
     }
 }

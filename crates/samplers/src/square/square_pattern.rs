@@ -1,7 +1,17 @@
 use crate::pattern_list::PatternList;
-use crate::{Error, FileResolver, Square, SquarePattern, SquareSampler, ValidCounts};
+use crate::{
+    Error, FileResolver, Square, SquareHaltonParameters, SquareHammersleyParameters, SquarePattern,
+    SquareSampler, SquareSobolParameters, ValidCounts,
+};
 
 impl SquarePattern {
+    /// The sequence of Sobol with its default scrambling.
+    pub const SOBOL: Self = Self::Sobol(SquareSobolParameters::DEFAULT);
+    /// The Halton sequence without scrambling.
+    pub const HALTON: Self = Self::Halton(SquareHaltonParameters::DEFAULT);
+    /// The Hammersley sets without scrambling.
+    pub const HAMMERSLEY: Self = Self::Hammersley(SquareHammersleyParameters::DEFAULT);
+
     /// Reads `name` or `name:key=value,key=value`; `files` reads the files that the text names.
     ///
     /// # Errors

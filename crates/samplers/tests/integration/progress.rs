@@ -105,7 +105,7 @@ fn progress_of_the_square_adds_up_to_the_work() {
     let named = |name: &str| name.parse::<SquarePattern>().unwrap();
     for (pattern, n, tick) in [
         (SquarePattern::Pmj02, 500, 20),
-        (SquarePattern::Sobol, 150_000, 3),
+        (SquarePattern::SOBOL, 150_000, 3),
         (SquarePattern::LatinHypercube, 150_000, 3),
         (named("poisson-disk-square"), 200, 3),
         (named("ccvt-square"), 200, 10),

@@ -282,18 +282,11 @@ fn invalid_counts_are_rejected() {
     );
 }
 
-/// Returns all patterns with default parameters, and those whose facts depend on a parameter.
+/// Returns all patterns with every combination of their choices, and one with another number.
 fn patterns_with_facts() -> Vec<Pattern> {
-    let others = [
-        "poisson-disk:mode=saturated",
-        "ccvt:mass=white",
-        "equal-area:placement=centred",
-        "fibonacci:offset=1.33",
-        "cube-sphere:spacing=equidistant",
-        "leja:symmetric=yes",
-    ];
-    let others = others.map(|text| text.parse().unwrap());
-    Pattern::ALL.into_iter().chain(others).collect()
+    let mut patterns = crate::sequences::patterns();
+    patterns.push("fibonacci:offset=1.33".parse().unwrap());
+    patterns
 }
 
 fn set(pattern: &Pattern, requested: usize, realization: u64) -> PointSet {
@@ -303,6 +296,21 @@ fn set(pattern: &Pattern, requested: usize, realization: u64) -> PointSet {
     sampler.sample(&mut rng).unwrap()
 }
 
+/// Patterns with one set of every number of points, whatever their parameters.
+const FIXED: [&str; 11] = [
+    "healpix",
+    "fibonacci",
+    "spiral",
+    "gauss-legendre",
+    "driscoll-healy",
+    "mcewen-wiaux",
+    "lebedev",
+    "icosahedral",
+    "cube-sphere",
+    "leja",
+    "sukharev",
+];
+
 #[test]
 fn deterministic_patterns_have_one_set() {
     let mut deterministic = Vec::new();
@@ -311,44 +319,37 @@ fn deterministic_patterns_have_one_set() {
         assert_eq!(pattern.is_deterministic(), is_one, "{pattern}");
         deterministic.extend(is_one.then(|| pattern.to_string()));
     }
-    let expected = [
-        "healpix",
-        "fibonacci",
-        "spiral",
-        "leja",
-        "gauss-legendre",
-        "driscoll-healy",
-        "mcewen-wiaux",
-        "lebedev",
-        "icosahedral",
-        "cube-sphere",
-        "sukharev",
-        "equal-area:placement=centred",
-        "fibonacci:offset=1.33",
-        "cube-sphere:spacing=equidistant",
-        "leja:symmetric=yes",
-    ];
-    assert_eq!(deterministic, expected);
+    let is_expected = |name: &str| {
+        let base = name.split(':').next().unwrap();
+        FIXED.contains(&base) || name.contains("centred") || name.contains("randomization=none")
+    };
+    for pattern in patterns_with_facts() {
+        let name = pattern.to_string();
+        assert_eq!(deterministic.contains(&name), is_expected(&name), "{name}");
+    }
 }
 
 #[test]
 fn extensible_patterns_begin_with_their_smaller_sets() {
     for pattern in patterns_with_facts() {
-        let (small, large) = (set(&pattern, 48, 0), set(&pattern, 192, 0));
-        let begins = large.points.starts_with(&small.points);
+        let large = set(&pattern, 192, 0);
+        let begins = [48, 25].map(|n| large.points.starts_with(&set(&pattern, n, 0).points));
+        let begins = begins == [true; 2];
         assert_eq!(pattern.facts().is_extensible, begins, "{pattern}");
     }
 }
 
-/// Nominal work ignores logarithms, which change the exponent by less than a tenth here.
+/// A logarithm changes the exponent by less than a tenth here, whether nominal work has it or not.
 #[test]
 fn costs_grow_as_the_nominal_work() {
     for pattern in patterns_with_facts() {
         let counts = [1000, 1_000_000].map(|n| pattern.nearest_count(n, Domain::Sphere));
         let [few, many] = counts.map(|n| pattern.nominal_work(n));
         let exponent = (many / few).ln() / (counts[1] as f64 / counts[0] as f64).ln();
-        let stated = pattern.facts().cost.exponent;
-        assert!((exponent - stated).abs() < 0.01, "{pattern}: {exponent}, not {stated}");
+        let cost = pattern.facts().cost;
+        let above = exponent - cost.exponent;
+        let max = 0.01 + 0.1 * cost.logarithm;
+        assert!(above > -0.01 && above < max, "{pattern}: {exponent}, not {cost}");
     }
 }
 
@@ -383,7 +384,7 @@ fn nominal_work_matches_the_measured_times() {
     const UNIT_MILLISECONDS: f64 = 60e-6;
     let measured = [
         0.033, 0.022, 0.011, 0.017, 2.29, 27.1, 46.3, 25.6, 8.36, 0.030, 0.024, 49.5, 16.0, 9.30,
-        420.0, 0.066, 0.020, 0.016, 0.015, 0.015, 0.016, 0.037, 0.038, 0.020,
+        420.0, 0.066, 0.020, 0.016, 0.015, 0.060, 0.015, 0.015, 0.016, 0.037, 0.038, 0.020,
     ];
     for (pattern, milliseconds) in Pattern::ALL.into_iter().zip(measured) {
         let ratio = UNIT_MILLISECONDS * pattern.nominal_work(1024) / milliseconds;

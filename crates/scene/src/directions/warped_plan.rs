@@ -27,7 +27,7 @@ use crate::{Density, DirectionSets, Error};
 /// let cornell = CornellBox::new();
 /// let view = View::new(&cornell.scene, &cornell.camera, [16, 16])?;
 /// let light = Density::Light { light: cornell.light, map: LightMap::Automatic };
-/// let plan = WarpedPlan::new(SquarePattern::Sobol, vec![(light, 1.0)], 16, Heuristic::Balance, 0)?;
+/// let plan = WarpedPlan::new(SquarePattern::SOBOL, vec![(light, 1.0)], 16, Heuristic::Balance, 0)?;
 /// let integral = Integral::Light { light: &cornell.light, albedo: 1.0 };
 /// let image = render(&view, &integral, Estimator::Unbiased, &plan.prepare(0)?, &())?;
 /// assert!(image.mean() > 0.0);

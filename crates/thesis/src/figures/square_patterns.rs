@@ -41,8 +41,8 @@ impl PlanePattern {
             Self::PoissonDisk => Self::disks(true),
             Self::UnwrappedDisk => Self::disks(false),
             Self::Regular => SquarePattern::RegularSquare,
-            Self::Halton => SquarePattern::Halton,
-            Self::Hammersley => SquarePattern::Hammersley,
+            Self::Halton => SquarePattern::HALTON,
+            Self::Hammersley => SquarePattern::HAMMERSLEY,
             Self::Fibonacci => SquarePattern::FibonacciLattice,
         }
     }

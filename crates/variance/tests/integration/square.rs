@@ -88,9 +88,9 @@ fn tails_of_lattices_are_bounded_on_the_axes() {
     for (pattern, n_points) in [
         (SquarePattern::FibonacciLattice, 55),
         (SquarePattern::FibonacciLattice, 377),
-        (SquarePattern::Hammersley, 100),
+        (SquarePattern::HAMMERSLEY, 100),
         (SquarePattern::R2, 200),
-        (SquarePattern::Halton, 333),
+        (SquarePattern::HALTON, 333),
         (SquarePattern::RegularSquare, 361),
     ] {
         let name = format!("{pattern} with N = {n_points}");

@@ -127,7 +127,7 @@ fn weights_of_the_pattern_are_normalized() {
     let ambient = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: true };
     let exact = 1.0 - form_factor(&horizontal([-0.3, 2.2], [0.1, 1.9], 0.8).corners());
     for scale in [1.0, 1e-300, 1e300] {
-        let sampler = SquarePattern::Sobol.build(25).unwrap();
+        let sampler = SquarePattern::SOBOL.build(25).unwrap();
         let mut set =
             sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0)).unwrap();
         set.weights = (0..25).map(|k| scale * f64::from(k % 3 + 1)).collect();
@@ -226,7 +226,7 @@ fn several_densities_are_unbiased() {
 #[test]
 fn invalid_densities_are_rejected() {
     let plan =
-        |densities| WarpedPlan::new(SquarePattern::Sobol, densities, 16, Heuristic::Balance, SEED);
+        |densities| WarpedPlan::new(SquarePattern::SOBOL, densities, 16, Heuristic::Balance, SEED);
     for shares in [[-1.0, 1.0], [0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
         let densities = shares.map(|share| (Density::cosine(), share)).to_vec();
         let error = plan(densities).unwrap_err().to_string();
