@@ -12,28 +12,18 @@ impl RotationDerivatives {
     /// Returns the derivatives of the function with coefficients `alm`, reusing the memory of
     /// earlier ones.
     ///
-    /// With the angular momentum operators `x cross grad = i L`, `L_z Y_lm = m Y_lm` and
-    /// `L_+- Y_lm = sqrt((l -+ m)(l +- m + 1)) Y_l,m+-1` (Edmonds 1957, eq. 2.3.1).
+    /// With the angular momentum operators `x cross grad = i L` and `L_z Y_lm = m Y_lm`; see
+    /// [`ladder`].
     pub(crate) fn of(alm: &Alm, memory: Option<Self>) -> Self {
         let memory = memory.filter(|old| old.0[0].lmax() == alm.lmax());
         let mut derivatives = memory.unwrap_or_else(|| Self(std::array::from_fn(|_| alm.clone())));
         let [x, y, z] = &mut derivatives.0;
-        let i = Complex::new(0.0, 1.0);
         for m in 0..=alm.lmax() {
-            let own = alm.column(m);
-            let lower = if m > 0 { alm.column(m - 1) } else { &[] };
-            let upper = if m < alm.lmax() { alm.column(m + 1) } else { &[] };
-            for (k, &a) in own.iter().enumerate() {
-                let (l, order) = ((m + k) as f64, m as f64);
-                let above = k.checked_sub(1).and_then(|k| upper.get(k)).copied();
-                let above = above.unwrap_or_default();
-                // a_l,-1 = -conj a_l1.
-                let below = lower.get(k + 1).copied().unwrap_or_else(|| -above.conj());
-                let raised = below * ((l - order + 1.0) * (l + order)).sqrt();
-                let lowered = above * ((l + order + 1.0) * (l - order)).sqrt();
-                x.column_mut(m)[k] = i * (raised + lowered) * 0.5;
+            for (k, &a) in alm.column(m).iter().enumerate() {
+                let (raised, lowered) = ladder(alm, m, k);
+                x.column_mut(m)[k] = I * (raised + lowered) * 0.5;
                 y.column_mut(m)[k] = (raised - lowered) * 0.5;
-                z.column_mut(m)[k] = i * a * order;
+                z.column_mut(m)[k] = I * a * m as f64;
             }
         }
         derivatives
@@ -43,6 +33,48 @@ impl RotationDerivatives {
     pub(crate) fn functions<'a>(&'a self, alm: &'a Alm) -> [&'a Alm; 4] {
         let [x, y, z] = &self.0;
         [alm, x, y, z]
+    }
+}
+
+const I: Complex<f64> = Complex::new(0.0, 1.0);
+
+/// Returns the coefficients of degree m + k and order m of `L_+ f` and `L_- f`,
+/// `L_+- Y_lm = sqrt((l -+ m)(l +- m + 1)) Y_l,m+-1` (Edmonds 1957, eq. 2.3.1).
+fn ladder(alm: &Alm, m: usize, k: usize) -> (Complex<f64>, Complex<f64>) {
+    let lower = if m > 0 { alm.column(m - 1) } else { &[] };
+    let upper = if m < alm.lmax() { alm.column(m + 1) } else { &[] };
+    let (l, order) = ((m + k) as f64, m as f64);
+    let above = k.checked_sub(1).and_then(|k| upper.get(k)).copied();
+    let above = above.unwrap_or_default();
+    // a_l,-1 = -conj a_l1.
+    let below = lower.get(k + 1).copied().unwrap_or_else(|| -above.conj());
+    let raised = below * ((l - order + 1.0) * (l + order)).sqrt();
+    let lowered = above * ((l + order + 1.0) * (l - order)).sqrt();
+    (raised, lowered)
+}
+
+/// Writes the components of `x cross v`, whose product with the rotation derivatives of a function
+/// at a point x is that of its gradient with v.
+pub(crate) fn moments_into(points: &[DVec3], vectors: &[DVec3], moments: &mut [Vec<f64>; 3]) {
+    for (axis, moments) in moments.iter_mut().enumerate() {
+        moments.clear();
+        moments.extend(points.iter().zip(vectors).map(|(x, v)| x.cross(*v)[axis]));
+    }
+}
+
+/// Writes the adjoint of the gradient from the coefficients of the three components of
+/// [`moments_into`]: rotation derivatives are antisymmetric, so minus the sum of those derivatives
+/// of the three functions, each about its own axis.
+pub(crate) fn gradient_adjoint(components: &[Alm; 3], out: &mut Alm) {
+    let [x, y, z] = components;
+    for m in 0..=out.lmax() {
+        for k in 0..out.column(m).len() {
+            let ((raised_x, lowered_x), (raised_y, lowered_y)) = (ladder(x, m, k), ladder(y, m, k));
+            let about_x = I * (raised_x + lowered_x) * 0.5;
+            let about_y = (raised_y - lowered_y) * 0.5;
+            let about_z = I * z.column(m)[k] * m as f64;
+            out.column_mut(m)[k] = -(about_x + about_y + about_z);
+        }
     }
 }
 

@@ -63,7 +63,7 @@ mod transform;
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
 pub use fit::{Fit, FitError, FittedEnergy, LeastSquares};
-pub use normal_equations::extreme_eigenvalues;
+pub use normal_equations::{ConjugateGradients, extreme_eigenvalues};
 pub use quadrature::{
     QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
 };

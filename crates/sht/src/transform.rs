@@ -1,6 +1,7 @@
 use glam::DVec3;
 use sphvar_sh::{Alm, Error};
 
+use crate::generators::{gradient_adjoint, moments_into};
 use crate::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
 /// Method of computing coefficients.
@@ -88,6 +89,9 @@ enum Kind {
 pub struct TransformWorkspace {
     exact: ExactWorkspace,
     fast: FastWorkspace,
+    moments: [Vec<f64>; 3],
+    /// The coefficients of the moments.
+    components: Option<[Alm; 3]>,
 }
 
 impl Transform {
@@ -182,11 +186,44 @@ impl Transform {
             }
         }
     }
+
+    /// Replaces `out` by the adjoint of [`Self::gradient_into`], the coefficients
+    /// `sum_k v_k . grad conj Y_lm(x_k)` of tangent vectors v at the points. Parts of the vectors
+    /// that are not tangent have no effect.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `vectors` and `points` differ in length, or `out` has a different lmax.
+    ///
+    /// # Performance
+    ///
+    /// The cost is that of the coefficients of three weighted sets.
+    pub fn gradient_adjoint_into(
+        &self,
+        points: &[DVec3],
+        vectors: &[DVec3],
+        workspace: &mut TransformWorkspace,
+        out: &mut Alm,
+    ) {
+        assert_eq!(vectors.len(), points.len(), "one vector per point");
+        let mut moments = std::mem::take(&mut workspace.moments);
+        moments_into(points, vectors, &mut moments);
+        let old = workspace.components.take().filter(|old| old[0].lmax() == out.lmax());
+        let mut components = old.unwrap_or_else(|| std::array::from_fn(|_| out.clone()));
+        let sets = moments.each_ref().map(|weights| (points, Some(weights.as_slice())));
+        self.adjoint_batch_into(&sets, workspace, &mut components);
+        gradient_adjoint(&components, out);
+        workspace.moments = moments;
+        workspace.components = Some(components);
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Transform};
+    use glam::DVec3;
+    use sphvar_sh::Alm;
+
+    use super::{Method, Transform, TransformWorkspace};
 
     #[test]
     fn auto_selects_fast_for_many_points_and_exact_for_few() {
@@ -195,5 +232,49 @@ mod tests {
         assert!(!is_fast(12, 128) && !is_fast(4096, 4) && !is_fast(0, 0));
         assert!(Transform::new(Method::Fast, 4, 12, 1e-5).unwrap().is_fast());
         assert!(!Transform::new(Method::Exact, 512, 100_000, 1e-5).unwrap().is_fast());
+    }
+
+    /// `sum_k v_k . grad f(x_k)` by the gradients of f equals the product of the coefficients of f
+    /// with the adjoint, for any f and any vectors, tangent or not; poles and repeated points are
+    /// among the points.
+    #[test]
+    fn the_gradient_and_its_adjoint_are_adjoint() {
+        let spiral = |k: i32| {
+            let (z, phi) = (f64::from(k) / 20.0 - 0.995, 2.4 * f64::from(k));
+            let s = (1.0 - z * z).sqrt();
+            DVec3::new(s * phi.cos(), s * phi.sin(), z)
+        };
+        let mut points: Vec<DVec3> = (0..40).map(spiral).collect();
+        points.extend([DVec3::Z, -DVec3::Z, points[7], DVec3::X]);
+        let vector = |k: usize| spiral(i32::try_from(k * 7 % 40).unwrap()) * (1.0 + k as f64);
+        let vectors: Vec<DVec3> = (0..points.len()).map(vector).collect();
+        for lmax in [0, 1, 2, 7, 33] {
+            for (method, epsilon) in
+                [(Method::Exact, 1e-13), (Method::Fast, 1e-12), (Method::Fast, 1e-5)]
+            {
+                let transform = Transform::new(method, lmax, points.len(), epsilon).unwrap();
+                let mut workspace = TransformWorkspace::default();
+                let mut alm = Alm::zeros(lmax).unwrap();
+                for (i, (l, m)) in alm.index().iter().enumerate() {
+                    let imaginary = if m > 0 { (0.3 * i as f64).cos() } else { 0.0 };
+                    alm[(l, m)] = num_complex::Complex::new((1.7 * i as f64).sin(), imaginary);
+                }
+                let mut adjoint = Alm::zeros(lmax).unwrap();
+                transform.gradient_adjoint_into(&points, &vectors, &mut workspace, &mut adjoint);
+                let (mut values, mut gradients) =
+                    (vec![0.0; points.len()], vec![DVec3::ZERO; points.len()]);
+                transform.gradient_into(&alm, &points, &mut workspace, &mut values, &mut gradients);
+                let by_points: f64 = gradients.iter().zip(&vectors).map(|(g, v)| g.dot(*v)).sum();
+                let by_degrees = crate::normal_equations::dot(&alm, &adjoint);
+                let scale: f64 =
+                    gradients.iter().zip(&vectors).map(|(g, v)| g.length() * v.length()).sum();
+                // Both are the same sums of the same approximate harmonics, up to rounding of the
+                // grid: f32 for the lowest accuracy.
+                let rounding = if epsilon > 1e-6 { f64::from(f32::EPSILON) } else { f64::EPSILON };
+                let tolerance = 64.0 * rounding * (lmax + 1) as f64 * scale;
+                let off = (by_points - by_degrees).abs();
+                assert!(off <= tolerance, "{method:?} {lmax} {epsilon:e}: {off:e} of {scale}");
+            }
+        }
     }
 }

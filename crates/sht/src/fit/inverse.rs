@@ -1,7 +1,7 @@
 use sphvar_sh::{Alm, Domain};
 
 use super::LeastSquares;
-use crate::normal_equations::{NormalMatrix, SolveError, System, SystemSolution, Watch, add};
+use crate::normal_equations::{ConjugateGradients, NormalMatrix, SolveError, System, Watch, add};
 
 /// The inverse of the normal equations `M = A + ridge I`, `A = B W B^T`: a solver that records
 /// extreme eigenvalues.
@@ -89,7 +89,7 @@ impl<'a> Inverse<'a> {
         b: &Alm,
         tolerance: f64,
         watch: Watch<'_>,
-    ) -> Result<SystemSolution, SolveError> {
+    ) -> Result<ConjugateGradients, SolveError> {
         let mut system = System { matrix: &mut self.matrix, shift: self.ridge };
         let solution = system.solve(b, tolerance, LeastSquares::MAX_ITERATIONS, watch)?;
         self.iterations = self.iterations.max(solution.iterations);

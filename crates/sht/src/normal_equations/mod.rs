@@ -11,7 +11,8 @@ mod ritz;
 use glam::DVec3;
 use sphvar_sh::Domain;
 
-pub(crate) use conjugate_gradients::{SolveError, System, SystemSolution, Watch};
+pub use conjugate_gradients::ConjugateGradients;
+pub(crate) use conjugate_gradients::{SolveError, System, Watch};
 pub(crate) use harmonics::{Harmonics, add, dot, project};
 pub(crate) use normal_matrix::NormalMatrix;
 pub use ritz::extreme_eigenvalues;
