@@ -2,5 +2,7 @@
 //! (Delsarte, Goethals and Seidel 1977).
 
 mod equations;
+mod matrix_free;
+mod start;
 
 pub(crate) use equations::{DesignEquations, Solved};
