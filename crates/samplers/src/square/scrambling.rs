@@ -109,23 +109,37 @@ impl ScrambledTernary {
 /// The radical inverses in base 3 under a random digital shift, as multiples of 3^-33.
 #[derive(Debug)]
 pub(super) struct ShiftedTernary {
+    /// The value in the inverse of each digit in each place of a number, and of the digits of the
+    /// shift in all higher places.
+    places: [([u64; 3], u64); MAX_DIGITS],
     shift: u64,
 }
 
+/// The number of ternary digits of 2^32 - 1.
+const MAX_DIGITS: usize = 21;
+
 impl ShiftedTernary {
     pub(super) fn draw(rng: &mut dyn Rng) -> Self {
-        Self { shift: scaled(rng.next_u64(), WHOLE) }
+        let shift = scaled(rng.next_u64(), WHOLE);
+        let (mut unit, mut below) = (WHOLE, shift);
+        let places = [(); MAX_DIGITS].map(|()| {
+            unit /= 3;
+            let digit = below / unit;
+            below -= digit * unit;
+            ([0, 1, 2].map(|d| (digit + d) % 3 * unit), below)
+        });
+        Self { places, shift }
     }
 
     /// Returns the shifted inverse of `i`.
     pub(super) fn inverse(&self, i: u32) -> u64 {
-        let (mut rest, mut below, mut sum) = (i, self.shift, 0);
-        let mut unit = WHOLE;
-        while rest > 0 {
-            unit /= 3;
-            let digit = below / unit;
-            below -= digit * unit;
-            sum += (digit + u64::from(rest % 3)) % 3 * unit;
+        let (mut rest, mut sum, mut below) = (i, 0, self.shift);
+        for (digits, higher) in &self.places {
+            if rest == 0 {
+                break;
+            }
+            sum += digits[(rest % 3) as usize];
+            below = *higher;
             rest /= 3;
         }
         sum + below
