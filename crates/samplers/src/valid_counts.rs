@@ -16,6 +16,11 @@ const MAX_LISTED: usize = 8;
 pub enum ValidCounts {
     /// Every positive number.
     Any,
+    /// Multiples of a number.
+    Multiples {
+        /// The smallest number, at least 1.
+        of: usize,
+    },
     /// `unit k^2` for k = 1, 2, 3, ...
     Squares {
         /// The smallest number, at least 1.
@@ -82,8 +87,10 @@ impl ValidCounts {
     pub(crate) fn count_not_exceeding(&self, n_points: usize) -> usize {
         // Numbers whose k is beyond the range of squares exceed every `n_points`.
         let (mut k, mut beyond) = (0, 1 << (usize::BITS / 2));
-        if let Self::Any = self {
-            return n_points;
+        match self {
+            Self::Any => return n_points,
+            Self::Multiples { of } => return n_points / of,
+            _ => (),
         }
         while beyond - k > 1 {
             let middle = k + (beyond - k) / 2;
@@ -117,6 +124,7 @@ impl ValidCounts {
         }
         match self {
             Self::Any => Some(k),
+            Self::Multiples { of } => k.checked_mul(*of),
             Self::Squares { unit, .. } => k.checked_mul(k)?.checked_mul(*unit),
             Self::Cubes { unit, .. } => k.checked_mul(k)?.checked_mul(k)?.checked_mul(*unit),
             Self::Quadratic { square, linear, constant, .. } => {
@@ -135,6 +143,7 @@ impl fmt::Display for ValidCounts {
         };
         match self {
             Self::Any => return f.write_str("any number from 1"),
+            Self::Multiples { of } => write!(f, "a multiple of {of}")?,
             Self::Squares { unit, root } => term(f, *unit, &format!("{root}^2"))?,
             Self::Cubes { unit, root } => term(f, *unit, &format!("{root}^3"))?,
             Self::Quadratic { square, linear, constant, root } => {
@@ -184,8 +193,9 @@ mod tests {
             (counts, (1..60).map(|k| square * k * k + constant - linear * k).collect())
         };
         let cubes = (1..60).map(|k| 72 * k * k * k).collect();
-        let rules: [(ValidCounts, Vec<usize>); 8] = [
+        let rules: [(ValidCounts, Vec<usize>); 9] = [
             (ValidCounts::Cubes { unit: 72, root: "k" }, cubes),
+            (ValidCounts::Multiples { of: 16 }, (1..200).map(|k| 16 * k).collect()),
             squares(1),
             squares(6),
             squares(12),
@@ -234,6 +244,8 @@ mod tests {
         assert_eq!(listed(&[5, 7, 9]), "5, 7 or 9");
         let many: Vec<usize> = (1..=20).collect();
         assert_eq!(listed(&many), "one of 20 numbers (1, 2, ..., 20)");
+        let multiples = ValidCounts::Multiples { of: 16 };
+        assert_eq!(multiples.to_string(), "a multiple of 16 (16, 32, 48, ...)");
         assert_eq!(ValidCounts::Any.to_string(), "any number from 1");
     }
 }

@@ -53,6 +53,7 @@ pattern_list! {
     "halton" = halton::Halton(p: SquareHaltonParameters): "Halton points in bases 2 and 3";
     "hammersley" = hammersley::Hammersley(p: SquareHammersleyParameters): "Hammersley points in base 2";
     "poisson-disk-square" = poisson_disk_square::PoissonDiskSquare(p: PoissonDiskSquareParameters): "random points that keep a minimum distance, toroidal or not";
+    "tiled-disks" = tiled_disks::TiledDisks(p: TiledDisksParameters): "one toroidal set of Poisson disks in many small tiles";
     "ccvt-square" = ccvt_square::CcvtSquare(p: CcvtSquareParameters): "sites of a capacity-constrained Voronoi tessellation";
     "step-square" = step_square::StepSquare(p: StepSquareParameters): "no power up to |k| = alpha sqrt(N), white noise's beyond";
     "blue-square" = blue_square::BlueSquare(p: BlueSquareParameters): "no power up to |k| = alpha sqrt(N), points well apart";

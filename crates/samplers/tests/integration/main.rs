@@ -18,4 +18,5 @@ mod square;
 mod square_patterns;
 mod square_spectral_control;
 mod survey;
+mod tiled_disks;
 mod zonal;
