@@ -35,14 +35,23 @@ pub(crate) trait Definition<S: Space = Domain>: Parametric {
     }
 }
 
+/// The content of a file that prescribes the spectrum of a pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProfileTable {
+    /// Powers by degree from 0; degree 0 is ignored.
+    Powers(Vec<f64>),
+    /// Angles in radians, in ascending order, and values of a pair correlation.
+    PairCorrelation(Vec<[f64; 2]>),
+}
+
 /// Reads the files named in pattern specifications, as in `profile:FILE` and `file:FILE`.
 pub trait FileResolver {
-    /// Returns the powers in a file by degree from 0; degree 0 is ignored.
+    /// Returns the content of the file of a profile.
     ///
     /// # Errors
     ///
     /// [`ResolveError`] with the reason if the file cannot be read.
-    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError>;
+    fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError>;
 
     /// Returns the content of a point file, read with the options of `source`. A template, a path
     /// with `{n}`, stands for all files whose names have a number in that place.
@@ -70,7 +79,7 @@ pub trait FileResolver {
 pub(crate) struct WithoutFiles;
 
 impl FileResolver for WithoutFiles {
-    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
+    fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError> {
         Err(without_resolver(file))
     }
 

@@ -70,7 +70,7 @@ mod valid_counts;
 mod vector;
 
 pub use cube_layers::CellWeights;
-pub use definition::FileResolver;
+pub use definition::{FileResolver, ProfileTable};
 pub(crate) use ensemble::PointFiles;
 pub use ensemble::{
     Ensemble, PointFile, PointSet, PointSets, Progress, Purpose, Realizations, SECONDS_PER_WORK,
@@ -81,7 +81,7 @@ pub use facts::{CostOrder, PatternFacts, Rate};
 pub use family::SamplerFamily;
 pub use fn_pattern::FnPattern;
 pub use optimization::{
-    NoiseColour, PowerProfile, SpectralControl, SpectralTarget, SquareSpectralControl,
+    NoiseColour, PowerProfile, SinglePeak, SpectralControl, SpectralTarget, SquareSpectralControl,
     covering_radius, riesz_energy,
 };
 pub use patterns::*;

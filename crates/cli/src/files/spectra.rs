@@ -39,6 +39,14 @@ pub(crate) fn read_spectrum(path: &Path) -> Result<Vec<SpectrumRow>, FileError> 
     Ok(spectrum.rows)
 }
 
+/// Returns the powers by degree from 0 of a text file, 0 where it starts at degree 1; degree 0 is
+/// not used.
+pub(super) fn read_powers(input: impl BufRead, path: &str) -> Result<Vec<f64>, FileError> {
+    let Spectrum { rows, .. } = read_stream(input, path, &POWER)?;
+    let first = rows.first().map_or(0, |row| row.l);
+    Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.value)).collect())
+}
+
 /// The values of a kind of file.
 pub(super) struct Content {
     /// The names of the column, in lower case.

@@ -5,12 +5,13 @@ use std::path::Path;
 use glam::DVec3;
 use sphvar_grammar::ResolveError;
 use sphvar_samplers::{
-    Error, FileResolver, PointFile, PointFileParameters, Space, SquarePointFileParameters,
+    Error, FileResolver, PointFile, PointFileParameters, ProfileTable, Space,
+    SquarePointFileParameters,
 };
 
 use crate::error::CliError;
 use crate::files::{
-    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_spectrum,
+    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_profile,
 };
 use crate::report::say;
 
@@ -21,13 +22,8 @@ pub(crate) struct PatternFiles {
 }
 
 impl FileResolver for PatternFiles {
-    /// Returns the powers of a file of degrees and powers, which starts at degree 0 or 1 without
-    /// gaps.
-    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
-        let rows = read_spectrum(file).map_err(|error| ResolveError::new(CliError::from(error)))?;
-        let first = rows.first().map_or(0, |row| row.l);
-        // Degree 0 is ignored.
-        Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.value)).collect())
+    fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError> {
+        read_profile(file).map_err(|error| ResolveError::new(CliError::from(error)))
     }
 
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

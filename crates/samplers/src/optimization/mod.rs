@@ -13,5 +13,7 @@ pub use covering_radius::covering_radius;
 pub(crate) use descent::{Descent, Objective};
 pub(crate) use riesz_energy::RieszEnergy;
 pub use riesz_energy::riesz_energy;
-pub use spectral_control::{NoiseColour, PowerProfile, SpectralControl, SpectralTarget};
+pub use spectral_control::{
+    NoiseColour, PowerProfile, SinglePeak, SpectralControl, SpectralTarget,
+};
 pub use square_spectral_control::SquareSpectralControl;

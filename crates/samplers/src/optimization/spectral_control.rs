@@ -1,9 +1,11 @@
+mod correlation_target;
 mod distance_penalty;
 mod energy;
 mod freedom;
 mod noise_colour;
 mod profile;
 mod search;
+mod single_peak;
 mod sphere_bands;
 mod target;
 
@@ -21,6 +23,7 @@ use freedom::{coefficients, degree_within, degrees_of_freedom};
 pub use noise_colour::NoiseColour;
 pub use profile::PowerProfile;
 pub(super) use search::{Search, descent_steps, infeasible_power, starts};
+pub use single_peak::SinglePeak;
 use sphere_bands::SphereBands;
 pub use target::SpectralTarget;
 

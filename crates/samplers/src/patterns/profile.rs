@@ -1,9 +1,13 @@
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sphvar_grammar::{Declaration, Parametric, Range};
 
 use crate::definition::{Definition, FileResolver};
-use crate::{CostOrder, Domain, Error, PatternFacts, PowerProfile, Rate, Sampler, SpectralControl};
+use crate::{
+    CostOrder, Domain, Error, PatternFacts, PowerProfile, ProfileTable, Rate, Sampler, SinglePeak,
+    SpectralControl,
+};
 
 /// Parameters of the pattern [`SpectralControl::profile`].
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +33,8 @@ impl Default for ProfileParameters {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProfileWords {
     pub(crate) table: &'static str,
+    pub(crate) edge: &'static str,
+    pub(crate) single_peak: SinglePeak,
     pub(crate) exponent: &'static str,
     pub(crate) alpha: &'static str,
     pub(crate) offset: &'static str,
@@ -36,7 +42,9 @@ pub(crate) struct ProfileWords {
 }
 
 const DEGREES: ProfileWords = ProfileWords {
-    table: "table of l,power instead of colour or b to `to`",
+    table: "table of l,power or of gamma,g instead of colour, edge or b to `to`",
+    edge: "edge of single-peak blue noise instead of b to offset, l/sqrt(N)",
+    single_peak: SinglePeak::DEFAULT,
     exponent: "exponent of l/sqrt(N)",
     alpha: "where the profile levels off, l/sqrt(N)",
     offset: "power at degree 0",
@@ -50,32 +58,59 @@ pub(crate) fn declare_profile(
     d: &mut Declaration<'_>,
 ) {
     let table = match &*profile {
-        PowerProfile::Table { name, .. } => Some(PathBuf::from(&**name)),
-        PowerProfile::Polynomial { .. } | PowerProfile::Colour(_) => None,
+        PowerProfile::Table { name, .. } | PowerProfile::PairCorrelation { name, .. } => {
+            Some(PathBuf::from(&**name))
+        }
+        _ => None,
     };
     let mut file = table.clone();
     d.file("file", words.table, "none", &mut file);
+    let is_table = file.is_some();
     if let Some(file) = file.filter(|file| Some(file) != table.as_ref()) {
         // The powers are read once all parameters are known.
         let name = file.to_string_lossy().into();
         *profile = PowerProfile::Table { name, power: [].into() };
     }
-    if !matches!(profile, PowerProfile::Table { .. }) {
+    if !is_table {
         let mut colour = match profile {
             PowerProfile::Colour(colour) => Some(*colour),
             _ => None,
         };
-        d.optional_choice("colour", "colour of noise instead of b to `to`", "none", &mut colour);
+        let summary = "colour of noise instead of edge or b to `to`";
+        d.optional_choice("colour", summary, "none", &mut colour);
         if let Some(colour) = colour {
             *profile = PowerProfile::Colour(colour);
         }
     }
-    if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = profile {
-        d.number("b", Range::AT_LEAST_0, words.exponent, exponent);
-        d.number("alpha", Range::POSITIVE, words.alpha, alpha);
-        d.number("gamma", Range::AT_LEAST_0, "level above the offset", gamma);
-        d.number("offset", Range::AT_LEAST_0, words.offset, offset);
-        d.number("to", PowerProfile::TO_RANGE, words.to, to);
+    if !is_table && !matches!(profile, PowerProfile::Colour(_)) {
+        let mut edge = match profile {
+            PowerProfile::SinglePeak(profile) => Some(profile.edge),
+            _ => None,
+        };
+        d.optional_number("edge", Range::POSITIVE, words.edge, "none", &mut edge);
+        match (edge, &mut *profile) {
+            (Some(edge), PowerProfile::SinglePeak(profile)) => profile.edge = edge,
+            (Some(edge), _) => {
+                *profile = PowerProfile::SinglePeak(SinglePeak { edge, ..words.single_peak });
+            }
+            (None, _) => (),
+        }
+    }
+    match profile {
+        PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } => {
+            d.number("b", Range::AT_LEAST_0, words.exponent, exponent);
+            d.number("alpha", Range::POSITIVE, words.alpha, alpha);
+            d.number("gamma", Range::AT_LEAST_0, "level above the offset", gamma);
+            d.number("offset", Range::AT_LEAST_0, words.offset, offset);
+            d.number("to", PowerProfile::TO_RANGE, words.to, to);
+        }
+        PowerProfile::SinglePeak(SinglePeak { peak, width, to, .. }) => {
+            let summary = "integral of the peak at the edge";
+            d.optional_number("peak", Range::AT_LEAST_0, summary, "by edge and width", peak);
+            d.number("width", Range::POSITIVE, "width of edge and peak", width);
+            d.number("to", PowerProfile::TO_RANGE, words.to, to);
+        }
+        _ => (),
     }
 }
 
@@ -85,7 +120,12 @@ pub(crate) fn resolve_profile(
     files: &dyn FileResolver,
 ) -> Result<(), Error> {
     if let PowerProfile::Table { name, power } = profile {
-        *power = files.powers(Path::new(&**name))?.into();
+        match files.profile(Path::new(&**name))? {
+            ProfileTable::Powers(read) => *power = read.into(),
+            ProfileTable::PairCorrelation(g) => {
+                *profile = PowerProfile::PairCorrelation { name: Arc::clone(name), g: g.into() };
+            }
+        }
     }
     Ok(())
 }

@@ -3,8 +3,8 @@ use sphvar_grammar::{Declaration, Parametric};
 use crate::definition::{Definition, FileResolver};
 use crate::patterns::profile::{ProfileWords, declare_profile, resolve_profile};
 use crate::{
-    CostOrder, Error, PatternFacts, PowerProfile, Rate, SpectralControl, Square, SquareSampler,
-    SquareSpectralControl,
+    CostOrder, Error, PatternFacts, PowerProfile, Rate, SinglePeak, SpectralControl, Square,
+    SquareSampler, SquareSpectralControl,
 };
 
 /// Parameters of the pattern [`SquareSpectralControl::profile`].
@@ -38,7 +38,10 @@ impl Default for ProfileSquareParameters {
 }
 
 const FREQUENCIES: ProfileWords = ProfileWords {
-    table: "table of |k|,power instead of colour or b to `to`",
+    table: "table of |k|,power instead of colour, edge or b to `to`",
+    edge: "edge of single-peak blue noise instead of b to offset, |k|/sqrt(N)",
+    // The frequencies of the sphere's divided by sqrt(pi).
+    single_peak: SinglePeak { edge: 0.677, peak: None, width: 0.0564, to: 1.128 },
     exponent: "exponent of |k|/sqrt(N)",
     alpha: "where the profile levels off, |k|/sqrt(N)",
     offset: "power at frequency 0",

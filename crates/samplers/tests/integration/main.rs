@@ -14,6 +14,7 @@ mod scrambling;
 mod sequences;
 mod spectral_control;
 mod sphere_maps;
+mod spectral_targets;
 mod square;
 mod square_patterns;
 mod square_spectral_control;

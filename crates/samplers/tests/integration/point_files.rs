@@ -4,7 +4,7 @@ use glam::DVec3;
 use sphvar_samplers::grammar::ResolveError;
 use sphvar_samplers::{
     Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, PointSet, PointSets,
-    Purpose, Realizations, Sampler, SamplerFamily, Streams, ValidCounts,
+    ProfileTable, Purpose, Realizations, Sampler, SamplerFamily, Streams, ValidCounts,
 };
 
 /// Files in memory: each set is `n` points on the upper half, the first set with weights.
@@ -20,8 +20,8 @@ fn file(name: &str, sets: Vec<PointSet>) -> PointFile {
 }
 
 impl FileResolver for Memory {
-    fn powers(&self, _: &std::path::Path) -> Result<Vec<f64>, ResolveError> {
-        Err(ResolveError::new("no powers"))
+    fn profile(&self, _: &std::path::Path) -> Result<ProfileTable, ResolveError> {
+        Err(ResolveError::new("no profile"))
     }
 
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

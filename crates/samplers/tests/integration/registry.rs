@@ -8,8 +8,8 @@ use sphvar_samplers::grammar::{DefaultValue, Parameter, ParameterKind, ResolveEr
 use sphvar_samplers::{
     BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, Domain, Error, FileResolver,
     MassPoints, NoiseColour, Pattern, PointFile, PointFileParameters, PointSet,
-    PoissonDiskParameters, PowerProfile, ProfileParameters, Purpose, Rate, RieszParameters,
-    SpectralControl, StepParameters, Streams,
+    PoissonDiskParameters, PowerProfile, ProfileParameters, ProfileTable, Purpose, Rate,
+    RieszParameters, SpectralControl, StepParameters, Streams,
 };
 
 #[test]
@@ -71,11 +71,11 @@ fn colours_replace_the_parameters_of_a_profile() {
 struct Table;
 
 impl FileResolver for Table {
-    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
+    fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError> {
         if file == Path::new("none") {
             Err(ResolveError::new("no file"))
         } else {
-            Ok(vec![0.0, 0.5])
+            Ok(ProfileTable::Powers(vec![0.0, 0.5]))
         }
     }
 
@@ -132,9 +132,9 @@ fn value(parameter: Parameter) -> BoxedStrategy<String> {
 fn any_text() -> impl Strategy<Value = String> {
     let texts = |pattern: Pattern| {
         let mut parameters = pattern.parameters();
-        // A file or a colour excludes other parameters.
+        // A file, a colour or an edge excludes other parameters.
         parameters.retain(|parameter| {
-            parameter.kind != ParameterKind::File && parameter.name != "colour"
+            parameter.kind != ParameterKind::File && !["colour", "edge"].contains(&parameter.name)
         });
         let items: Vec<_> = parameters
             .into_iter()

@@ -6,9 +6,9 @@ use proptest::prelude::*;
 use rand::Rng;
 use sphvar_samplers::grammar::ResolveError;
 use sphvar_samplers::{
-    Ensemble, Error, FileResolver, PointFile, PointFileParameters, PointSet, PointSets, Purpose,
-    SamplerFamily, Square, SquareDistribution, SquarePattern, SquarePointFileParameters,
-    SquareRealizations, SquareSampler, Streams, uniform_shift,
+    Ensemble, Error, FileResolver, PointFile, PointFileParameters, PointSet, PointSets,
+    ProfileTable, Purpose, SamplerFamily, Square, SquareDistribution, SquarePattern,
+    SquarePointFileParameters, SquareRealizations, SquareSampler, Streams, uniform_shift,
 };
 
 fn streams(group: usize) -> Streams {
@@ -170,8 +170,8 @@ fn names_are_read_and_counts_are_checked() {
 struct Files;
 
 impl FileResolver for Files {
-    fn powers(&self, _: &Path) -> Result<Vec<f64>, ResolveError> {
-        Err(ResolveError::new("no powers"))
+    fn profile(&self, _: &Path) -> Result<ProfileTable, ResolveError> {
+        Err(ResolveError::new("no profile"))
     }
 
     fn points(&self, _: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

@@ -4,7 +4,9 @@ use std::sync::Arc;
 use sphvar_grammar::Range;
 
 use super::noise_colour::NoiseColour;
+use super::single_peak::SinglePeak;
 use super::target::SpectralTarget;
+use super::{correlation_target, in_range};
 use crate::{Domain, Error, count};
 
 /// The prescribed power of a pattern, for any number of points.
@@ -26,6 +28,17 @@ pub enum PowerProfile {
     },
     /// A colour of noise.
     Colour(NoiseColour),
+    /// A step and a peak without oscillations, for `omega = l/sqrt(N)`.
+    SinglePeak(SinglePeak),
+    /// The power that corresponds to a pair correlation g(gamma), up to omega = 2. The angles do
+    /// not depend on the number of points; on the sphere and the hemisphere only.
+    PairCorrelation {
+        /// The source of the table, for names and messages.
+        name: Arc<str>,
+        /// Angles in radians, in ascending order, and values, which are interpolated linearly:
+        /// constant before the first angle, 1 beyond the last.
+        g: Arc<[[f64; 2]]>,
+    },
     /// A power for every degree, independent of the number of points.
     Table {
         /// The source of the table, for names and messages.
@@ -49,7 +62,8 @@ impl PowerProfile {
     ///
     /// [`Error::Parameter`] unless exponent, gamma and offset are finite and at least 0, alpha is
     /// positive, `to` in (0, 8], there are 1 to `u32::MAX` points, and a table's powers are finite
-    /// and at least 0.
+    /// and at least 0; [`Error::Infeasible`] if a pair correlation is invalid or requires a negative
+    /// power.
     pub fn target(&self, n_points: usize, domain: Domain) -> Result<SpectralTarget, Error> {
         match self {
             Self::Table { power, .. } => SpectralTarget::new(power.to_vec()),
@@ -61,6 +75,14 @@ impl PowerProfile {
                 let power = polynomial(exponent, alpha, gamma, offset);
                 sampled(n_points, domain, to, power)
             }
+            Self::SinglePeak(profile) => {
+                check_end(profile.to)?;
+                sampled(n_points, domain, profile.to, profile.power(1.0)?)
+            }
+            Self::PairCorrelation { g, .. } => {
+                let last = degrees(n_points, domain, CORRELATION_END)?.len() - 1;
+                correlation_target::target(g, n_points, last, domain)
+            }
         }
     }
 
@@ -71,7 +93,7 @@ impl PowerProfile {
     ///
     /// # Errors
     ///
-    /// Those of [`Self::target`].
+    /// Those of [`Self::target`], and [`Error::Infeasible`] for a pair correlation.
     pub(crate) fn radial(&self, n_points: usize) -> Result<(f64, RadialPower<'_>), Error> {
         let root = f64::from(count::checked(n_points)?).sqrt();
         match self {
@@ -95,6 +117,17 @@ impl PowerProfile {
                 let power = polynomial(exponent, alpha, gamma, offset);
                 Ok((to * root, Box::new(move |radius| power(radius / root))))
             }
+            Self::SinglePeak(profile) => {
+                check_end(profile.to)?;
+                let power = profile.power(PI)?;
+                Ok((profile.to * root, Box::new(move |radius| power(radius / root))))
+            }
+            Self::PairCorrelation { .. } => Err(Error::Infeasible {
+                pattern: "profile-square",
+                n_points,
+                reason: "a pair correlation of angles is for the sphere and the hemisphere"
+                    .to_owned(),
+            }),
         }
     }
 
@@ -117,11 +150,16 @@ impl PowerProfile {
                 got: alpha,
             });
         }
-        if !Self::TO_RANGE.contains(to) {
-            return Err(Error::Parameter { name: "to", range: "in (0, 8]", got: to });
-        }
-        Ok(())
+        check_end(to)
     }
+}
+
+/// The omega at which the target of a pair correlation ends.
+const CORRELATION_END: f64 = 2.0;
+
+/// Rejects the end of a target outside its range.
+fn check_end(to: f64) -> Result<(), Error> {
+    in_range("to", "in (0, 8]", to, PowerProfile::TO_RANGE)
 }
 
 /// A power as a function of |k|.
@@ -139,9 +177,13 @@ fn sampled(
     to: f64,
     power: impl Fn(f64) -> f64,
 ) -> Result<SpectralTarget, Error> {
+    SpectralTarget::new(degrees(n_points, domain, to)?.into_iter().map(power).collect())
+}
+
+/// Returns `l/sqrt(N)` for the degrees from 0 up to `to`.
+fn degrees(n_points: usize, domain: Domain, to: f64) -> Result<Vec<f64>, Error> {
     // Checked here, before a vector with one entry per degree is allocated.
     count::checked(n_points)?;
     let root = domain.count_on_sphere(n_points).sqrt();
-    let omegas = (0_u32..).map(|l| f64::from(l) / root).take_while(|&omega| omega <= to);
-    SpectralTarget::new(omegas.map(power).collect())
+    Ok((0_u32..).map(|l| f64::from(l) / root).take_while(|&omega| omega <= to).collect())
 }

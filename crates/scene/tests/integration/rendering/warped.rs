@@ -10,7 +10,7 @@ use rayon::ThreadPoolBuilder;
 use sphvar_integrands::Heuristic;
 use sphvar_samplers::grammar::ResolveError;
 use sphvar_samplers::{
-    FileResolver, PointFile, PointFileParameters, PointSet, Purpose, SquarePattern,
+    FileResolver, PointFile, PointFileParameters, PointSet, ProfileTable, Purpose, SquarePattern,
     SquarePointFileParameters, Streams,
 };
 use sphvar_scene::{
@@ -103,8 +103,8 @@ fn every_density_is_unbiased() {
 struct OneFile(PointSet<[f64; 2]>);
 
 impl FileResolver for OneFile {
-    fn powers(&self, _: &Path) -> Result<Vec<f64>, ResolveError> {
-        Err(ResolveError::new("no powers"))
+    fn profile(&self, _: &Path) -> Result<ProfileTable, ResolveError> {
+        Err(ResolveError::new("no profile"))
     }
 
     fn points(&self, _: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use sphvar_samplers::grammar::ResolveError;
 use sphvar_samplers::{
-    Domain, FileResolver, Pattern, PointFile, PointFileParameters, PointSet, Purpose, Streams,
+    Domain, FileResolver, Pattern, PointFile, PointFileParameters, PointSet, ProfileTable, Purpose,
+    Streams,
 };
 use sphvar_scene::{DirectionMode, DirectionPlan, Estimator, Integral};
 
@@ -13,8 +14,8 @@ use super::spot::{Spot, covered_share, horizontal};
 struct OneFile(Vec<PointSet>);
 
 impl FileResolver for OneFile {
-    fn powers(&self, _: &std::path::Path) -> Result<Vec<f64>, ResolveError> {
-        Err(ResolveError::new("no powers"))
+    fn profile(&self, _: &std::path::Path) -> Result<ProfileTable, ResolveError> {
+        Err(ResolveError::new("no profile"))
     }
 
     fn points(&self, _: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

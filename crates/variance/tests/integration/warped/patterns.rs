@@ -1,7 +1,9 @@
 //! Texts and numbers of points of warped patterns.
 
 use sphvar_integrands::grammar::ResolveError;
-use sphvar_samplers::{FileResolver, PointFile, PointFileParameters, SamplerFamily, Square};
+use sphvar_samplers::{
+    FileResolver, PointFile, PointFileParameters, ProfileTable, SamplerFamily, Square,
+};
 use sphvar_variance::{Error, WarpedPattern};
 
 use super::warped;
@@ -72,7 +74,7 @@ fn invalid_texts_name_the_fault() {
 struct Five;
 
 impl FileResolver for Five {
-    fn powers(&self, _: &std::path::Path) -> Result<Vec<f64>, ResolveError> {
+    fn profile(&self, _: &std::path::Path) -> Result<ProfileTable, ResolveError> {
         unimplemented!("there is no profile")
     }
 
