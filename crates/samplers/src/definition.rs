@@ -20,6 +20,11 @@ pub(crate) trait Definition<S: Space = Domain>: Parametric {
         ValidCounts::Any
     }
 
+    /// Returns the number of points where none is requested, if the parameters determine one.
+    fn default_count(&self, _space: S) -> Option<usize> {
+        None
+    }
+
     /// Returns the sampler of `n_points` points, a valid number.
     fn build(&self, n_points: usize, space: S) -> Result<Box<S::Sampler>, Error>;
 

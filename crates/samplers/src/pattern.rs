@@ -62,6 +62,14 @@ impl Pattern {
         self.build(n_points, Domain::Sphere).is_ok_and(|sampler| !sampler.is_random())
     }
 
+    /// Returns the number of points where none is requested: that of a single point file, or the
+    /// smallest of a design of given degree; `None` for other patterns.
+    #[must_use]
+    pub fn default_count(&self, domain: Domain) -> Option<usize> {
+        let by_parameters = self.clone().with_definition(|d| d.default_count(domain));
+        self.own_count().or(by_parameters)
+    }
+
     /// Returns the valid numbers of points on `domain`.
     #[must_use]
     pub fn valid_counts(&self, domain: Domain) -> ValidCounts {

@@ -46,6 +46,13 @@ pub enum ValidCounts {
         /// The name of k, such as `L`.
         root: &'static str,
     },
+    /// `first`, `first + step`, `first + 2 step`, ...
+    AtLeast {
+        /// The smallest number, a multiple of `step`.
+        first: usize,
+        /// The difference, at least 1.
+        step: usize,
+    },
     /// These numbers, in ascending order; an empty list if they depend on a file.
     Listed(Cow<'static, [usize]>),
 }
@@ -131,6 +138,7 @@ impl ValidCounts {
                 let above = k.checked_mul(k)?.checked_mul(*square)?.checked_add(*constant)?;
                 above.checked_sub(k.checked_mul(*linear)?)
             }
+            Self::AtLeast { first, step } => (k - 1).checked_mul(*step)?.checked_add(*first),
             Self::Listed(numbers) => numbers.get(k - 1).copied(),
         }
     }
@@ -153,6 +161,10 @@ impl fmt::Display for ValidCounts {
                     term(f, *linear, root)?;
                 }
                 write!(f, " + {constant}")?;
+            }
+            Self::AtLeast { first, step: 1 } => return write!(f, "at least {first}"),
+            Self::AtLeast { first, step } => {
+                return write!(f, "a multiple of {step}, at least {first}");
             }
             Self::Listed(numbers) => return list(f, numbers),
         }
@@ -193,9 +205,14 @@ mod tests {
             (counts, (1..60).map(|k| square * k * k + constant - linear * k).collect())
         };
         let cubes = (1..60).map(|k| 72 * k * k * k).collect();
-        let rules: [(ValidCounts, Vec<usize>); 9] = [
+        let at_least = |step, first: usize| {
+            (ValidCounts::AtLeast { first, step }, (first..3100).step_by(step).collect())
+        };
+        let rules: [(ValidCounts, Vec<usize>); 11] = [
             (ValidCounts::Cubes { unit: 72, root: "k" }, cubes),
             (ValidCounts::Multiples { of: 16 }, (1..200).map(|k| 16 * k).collect()),
+            at_least(1, 482),
+            at_least(2, 14),
             squares(1),
             squares(6),
             squares(12),
@@ -217,8 +234,9 @@ mod tests {
                 let below = all.iter().copied().filter(|&n| n <= requested).max();
                 assert_eq!(counts.largest_not_exceeding(requested), below, "{requested}");
             }
-            let is_list = matches!(counts, ValidCounts::Listed(_));
-            assert!(is_list || counts.nearest(usize::MAX) > usize::MAX / 2);
+            // Lists end, and so do 2^32 numbers in steps of 1 or 2.
+            let ends = matches!(counts, ValidCounts::Listed(_) | ValidCounts::AtLeast { .. });
+            assert!(ends || counts.nearest(usize::MAX) > usize::MAX / 2);
         }
         let any = ValidCounts::Any;
         assert_eq!((any.nearest(0), any.nearest(7)), (1, 7));
@@ -238,6 +256,9 @@ mod tests {
         assert_eq!(rings.to_string(), "2 L^2 - L + 1 (2, 7, 16, ...)");
         let grid = ValidCounts::Quadratic { square: 10, linear: 0, constant: 2, root: "f" };
         assert_eq!(grid.to_string(), "10 f^2 + 2 (12, 42, 92, ...)");
+        let at_least = |step, first| ValidCounts::AtLeast { first, step }.to_string();
+        assert_eq!(at_least(1, 482), "at least 482");
+        assert_eq!(at_least(2, 14), "a multiple of 2, at least 14");
         let listed = |counts: &[usize]| ValidCounts::Listed(counts.to_vec().into()).to_string();
         assert_eq!(listed(&[777]), "777");
         assert_eq!(listed(&[5, 7]), "5 or 7");

@@ -3,14 +3,13 @@
 
 mod covering_radius;
 mod descent;
-mod design;
+pub(crate) mod design;
 mod riesz_energy;
 mod spectral_control;
 mod square_spectral_control;
 pub(crate) mod voronoi;
 
 pub use covering_radius::covering_radius;
-pub(crate) use descent::{Descent, Objective};
 pub(crate) use riesz_energy::RieszEnergy;
 pub use riesz_energy::riesz_energy;
 pub use spectral_control::{

@@ -1,7 +1,9 @@
 use glam::DVec3;
 use pulp::NullaryFnOnce;
 
-use crate::Domain;
+use super::descent::{Descent, Objective};
+use crate::ensemble::progress::Tick;
+use crate::{Domain, Stopped};
 
 /// Number of pairs processed together, independent of the register width so that sums do not depend
 /// on it.
@@ -62,6 +64,28 @@ impl RieszEnergy {
         }
     }
 
+    /// Moves the points by a number of steps downhill. Before each, `tick` returns whether to
+    /// continue.
+    pub(crate) fn descend(
+        self,
+        points: &mut Vec<DVec3>,
+        iterations: u32,
+        tick: Tick<'_>,
+    ) -> Result<(), Stopped> {
+        let spacing = (self.domain.area() / points.len() as f64).sqrt();
+        // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
+        let curvature = 6.0 * (self.s * (self.s + 1.0)).max(1.0) * spacing.powf(-self.s - 2.0);
+        let descent = Descent {
+            iterations,
+            scale: 1.0 / curvature,
+            is_adaptive: true,
+            reach: spacing / 3.0,
+        };
+        let mut downhill = Downhill { energy: self, gradient: Vec::new() };
+        descent.run(points, &mut downhill, tick)?;
+        Ok(())
+    }
+
     fn sum<K: Kernel>(&self, kernel: K, points: &[DVec3], gradient: &mut Vec<DVec3>) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|d: usize| points.iter().map(|p| p[d]).collect::<Vec<_>>());
         let antipodal = self.domain == Domain::Hemisphere;
@@ -71,6 +95,22 @@ impl RieszEnergy {
         let factor = if self.s.abs() <= 0.0 { -1.0 } else { -self.s };
         gradient.iter_mut().for_each(|force| *force *= factor);
         twice / 2.0
+    }
+}
+
+/// Energy and gradient come from the same pairs, so they are computed together.
+struct Downhill {
+    energy: RieszEnergy,
+    gradient: Vec<DVec3>,
+}
+
+impl Objective<DVec3> for Downhill {
+    fn energy(&mut self, points: &[DVec3]) -> f64 {
+        self.energy.evaluate(points, &mut self.gradient)
+    }
+
+    fn gradient(&mut self, _: &[DVec3], gradient: &mut Vec<DVec3>) {
+        std::mem::swap(gradient, &mut self.gradient);
     }
 }
 

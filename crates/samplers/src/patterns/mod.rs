@@ -44,6 +44,7 @@ pattern_list! {
     "icosahedral" = icosahedral::Icosahedral: "the vertices of a geodesic icosahedron, equal weights";
     "cube-sphere" = cube_sphere::CubeSphere(p: CubeSphereParameters): "the centres of the cells of a cube-sphere grid, equal weights";
     "sukharev" = sukharev::Sukharev(p: SukharevParameters): "layered grids on the faces of a cube, a sequence";
+    "design" = design::Design(p: DesignParameters): "a spherical design: exact for polynomials up to a degree";
 
     without default:
     "file" = point_file::PointFile(PointFileParameters): "your own point sets, with or without weights, from a file";

@@ -1,10 +1,9 @@
-use glam::DVec3;
 use rand::Rng;
 use sphvar_grammar::{Declaration, Parametric, Range};
 
 use super::white_noise;
 use crate::definition::Definition;
-use crate::optimization::{Descent, Objective, RieszEnergy};
+use crate::optimization::RieszEnergy;
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
 
 /// White noise after a number of steps that minimize the Riesz energy of exponent s, or the
@@ -62,22 +61,6 @@ impl Riesz {
     }
 }
 
-/// Energy and gradient come from the same pairs, so they are computed together.
-struct Downhill {
-    energy: RieszEnergy,
-    gradient: Vec<DVec3>,
-}
-
-impl Objective<DVec3> for Downhill {
-    fn energy(&mut self, points: &[DVec3]) -> f64 {
-        self.energy.evaluate(points, &mut self.gradient)
-    }
-
-    fn gradient(&mut self, _: &[DVec3], gradient: &mut Vec<DVec3>) {
-        std::mem::swap(gradient, &mut self.gradient);
-    }
-}
-
 impl Sampler for Riesz {
     fn n_points(&self) -> usize {
         self.n as usize
@@ -104,19 +87,9 @@ impl Sampler for Riesz {
     ) -> Result<(), Error> {
         let points = set.start();
         points.extend((0..self.n).map(|_| white_noise::uniform_direction(self.domain, rng)));
-        let spacing = (self.domain.area() / f64::from(self.n)).sqrt();
-        // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
-        let curvature = 6.0 * (self.s * (self.s + 1.0)).max(1.0) * spacing.powf(-self.s - 2.0);
-        let energy = RieszEnergy::new(self.domain, self.s);
-        let descent = Descent {
-            iterations: self.iterations,
-            scale: 1.0 / curvature,
-            is_adaptive: true,
-            reach: spacing / 3.0,
-        };
         let step = self.nominal_work() / f64::from(self.iterations.max(1));
-        let mut downhill = Downhill { energy, gradient: Vec::new() };
-        descent.run(points, &mut downhill, &|| progress.tick(step))?;
+        let energy = RieszEnergy::new(self.domain, self.s);
+        energy.descend(points, self.iterations, &|| progress.tick(step))?;
         for p in points {
             *p = self.domain.representative(*p);
         }

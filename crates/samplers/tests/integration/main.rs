@@ -2,6 +2,7 @@
 
 mod ccvt;
 mod ccvt_square;
+mod designs;
 mod leja;
 mod point_files;
 mod poisson_disk;

@@ -297,7 +297,7 @@ fn set(pattern: &Pattern, requested: usize, realization: u64) -> PointSet {
 }
 
 /// Patterns with one set of every number of points, whatever their parameters.
-const FIXED: [&str; 11] = [
+const FIXED: [&str; 12] = [
     "healpix",
     "fibonacci",
     "spiral",
@@ -309,6 +309,7 @@ const FIXED: [&str; 11] = [
     "cube-sphere",
     "leja",
     "sukharev",
+    "design",
 ];
 
 #[test]
@@ -385,6 +386,7 @@ fn nominal_work_matches_the_measured_times() {
     let measured = [
         0.033, 0.022, 0.011, 0.017, 2.29, 27.1, 46.3, 25.6, 8.36, 0.030, 0.024, 49.5, 16.0, 9.30,
         420.0, 0.031, 0.020, 0.016, 0.022, 0.073, 0.015, 0.015, 0.016, 0.037, 0.038, 0.020,
+        0.030, 1700.0,
     ];
     for (pattern, milliseconds) in Pattern::ALL.into_iter().zip(measured) {
         let ratio = UNIT_MILLISECONDS * pattern.nominal_work(1024) / milliseconds;

@@ -121,18 +121,7 @@ pub(crate) fn solve_matrix_free(
     if here.power <= tolerance {
         return Ok(Solved { residual: here.power, iterations });
     }
-    Err(Error::Infeasible {
-        pattern: "design",
-        n_points: points.len(),
-        reason: format!(
-            "after {iterations} steps the power of degrees up to {} is {:.1e} and decreases no further: \
-             {} coefficients cannot vanish there with {} degrees of freedom. Use more points or a smaller degree",
-            equations.degree,
-            here.power,
-            equations.count(),
-            2 * points.len()
-        ),
-    })
+    Err(equations.stalled(points.len(), iterations, here.power))
 }
 
 /// The residuals of the equations at some points.

@@ -1,0 +1,159 @@
+//! The numbers of points of designs.
+
+use super::DesignEquations;
+
+/// The numbers of points with which designs of degrees 2 to 12 are known: some small ones, and all
+/// from a number on (Hardin and Sloane 1996). Others do not exist for the degrees 2 and 3 (Mimura
+/// 1990; Boyvalenkov, Danev and Nikova 1999), nor, it is conjectured, for the others.
+const KNOWN: [(usize, &[usize], usize); 11] = [
+    (2, &[4], 6),
+    (3, &[6, 8], 10),
+    (4, &[12, 14], 16),
+    (5, &[12, 16, 18, 20], 22),
+    (6, &[24, 26], 28),
+    (7, &[24, 30, 32, 34], 36),
+    (8, &[36, 40, 42], 44),
+    (9, &[48, 50, 52], 54),
+    (10, &[60, 62], 64),
+    (11, &[70, 72], 74),
+    (12, &[84], 86),
+];
+
+/// The designs that have fewer degrees of freedom than equations, by their symmetry: degree,
+/// whether the points stand for pairs, and their number: the tetrahedron, the octahedron
+/// and the icosahedron.
+const SYMMETRIC: [(usize, bool, usize); 5] =
+    [(2, false, 4), (3, false, 6), (5, false, 12), (2, true, 3), (4, true, 6)];
+
+/// Up to this degree any number of points with enough degrees of freedom has its largest degree:
+/// the search takes milliseconds.
+const SMALL_DEGREE: usize = 12;
+
+/// The largest ratio of equations to the 2N coordinates where the number of points is not that of a
+/// stored design.
+const MAX_SHARE: f64 = 0.9;
+
+/// Returns the smallest number of points, of pairs for symmetric sets, at which designs are made:
+/// it has one or two degrees of freedom more than there are equations, apart from rotations, except
+/// for the most symmetric sets.
+pub(crate) fn default_count(equations: DesignEquations) -> usize {
+    let own = |set: &&(usize, bool, usize)| {
+        set.1 == equations.is_symmetric && set.0 == top_degree(equations)
+    };
+    SYMMETRIC.iter().find(own).map_or_else(|| generic_count(equations), |set| set.2)
+}
+
+/// Returns the last degree that has equations, at least 1.
+fn top_degree(equations: DesignEquations) -> usize {
+    equations.degrees().last().unwrap_or(1)
+}
+
+/// Returns the smallest number of points with at least one degree of freedom, apart from
+/// rotations, more than there are equations.
+fn generic_count(equations: DesignEquations) -> usize {
+    match equations {
+        // Any number from 2 on, such as that of a regular polygon.
+        DesignEquations { degree: 0 | 1, is_symmetric: false } => equations.degree + 1,
+        DesignEquations { degree: 0 | 1, is_symmetric: true } => 1,
+        _ => (equations.count() + 5) / 2,
+    }
+}
+
+/// Returns whether a search may find a design: the default number of points, or one with enough
+/// degrees of freedom that is not known to have none.
+pub(crate) fn is_feasible(equations: DesignEquations, n_points: usize) -> bool {
+    let is_known = |set: &(usize, &[usize], usize)| {
+        set.0 != equations.degree || set.1.contains(&n_points) || n_points >= set.2
+    };
+    n_points == default_count(equations)
+        || n_points >= generic_count(equations)
+            && (equations.is_symmetric || KNOWN.iter().all(is_known))
+}
+
+/// Returns in words the numbers of points at which designs are made, times a factor.
+pub(crate) fn known_counts(equations: DesignEquations, factor: usize) -> String {
+    let feasible = |n: &usize| is_feasible(equations, *n);
+    let first = default_count(equations);
+    let last_gap = (first..).zip(first + 1..).take(64).filter(|(_, n)| !feasible(n)).last();
+    let from = last_gap.map_or(first, |(_, n)| n + 1);
+    let single: Vec<String> =
+        (first..from).filter(feasible).map(|n| (factor * n).to_string()).collect();
+    let from = factor * from;
+    if single.is_empty() {
+        format!("{from} or more")
+    } else {
+        format!("{} or at least {from}", single.join(", "))
+    }
+}
+
+/// Returns the degree of the design of `n_points` points or pairs: the largest feasible one up to
+/// degree 12 and where the number is that of a stored design, otherwise the largest for which at
+/// most nine tenths of the coordinates are constrained. 0 if there is none.
+pub(crate) fn degree_of(n_points: usize, is_symmetric: bool) -> usize {
+    let step = if is_symmetric { 2 } else { 1 };
+    // The square of a degree is at most about 2N, with two pairs of points each a half of that.
+    let mut degree = ((2 * step * n_points) as f64).sqrt() as usize / step * step + 2;
+    let may_be = |degree| {
+        let equations = DesignEquations { degree, is_symmetric };
+        let is_quick = degree <= SMALL_DEGREE
+            || degree <= super::stored::MAX_DEGREE && n_points == default_count(equations)
+            || equations.count() as f64 <= MAX_SHARE * (2 * n_points) as f64;
+        is_quick && is_feasible(equations, n_points)
+    };
+    while degree > 0 && !may_be(degree) {
+        degree -= step;
+    }
+    degree
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DesignEquations, default_count, degree_of, is_feasible, known_counts};
+
+    #[test]
+    fn numbers_of_points_are_those_of_published_designs() {
+        let count = |degree| default_count(DesignEquations { degree, is_symmetric: false });
+        // The platonic solids; Womersley 2018 has 52, 482 and 2114 points.
+        for (degree, n) in [(1, 2), (2, 4), (3, 6), (4, 14), (5, 12), (9, 52), (30, 482), (64, 2114)]
+        {
+            assert_eq!(count(degree), n, "{degree}");
+        }
+        for degree in 6..200 {
+            assert!(count(degree) as f64 <= 0.5 * (degree + 1).pow(2) as f64 + 3.0, "{degree}");
+        }
+        // Symmetric sets in pairs: degrees 3, 5 and 65.
+        for (degree, pairs) in [(2, 3), (4, 6), (64, 1074)] {
+            let equations = DesignEquations { degree, is_symmetric: true };
+            assert_eq!(default_count(equations), pairs, "{degree}");
+            // An odd degree has no equations of its own.
+            let odd = DesignEquations { degree: degree + 1, is_symmetric: true };
+            assert_eq!(default_count(odd), pairs, "{degree}");
+        }
+    }
+
+    #[test]
+    fn counts_without_designs_are_infeasible() {
+        let designs = |degree| DesignEquations { degree, is_symmetric: false };
+        for (degree, n) in [(1, 1), (2, 5), (3, 9), (4, 15), (9, 53), (12, 85), (30, 481)] {
+            assert!(!is_feasible(designs(degree), n), "{degree}, {n}");
+        }
+        assert_eq!(known_counts(designs(2), 1), "4 or at least 6");
+        assert_eq!(known_counts(designs(9), 1), "52 or at least 54");
+        assert_eq!(known_counts(designs(30), 1), "482 or more");
+    }
+
+    #[test]
+    fn degrees_follow_from_the_number_of_points() {
+        let expected = [(1, 0), (2, 1), (3, 1), (4, 2), (5, 1), (6, 3), (9, 2), (12, 5), (482, 30)];
+        for (n, degree) in expected {
+            assert_eq!(degree_of(n, false), degree, "{n}");
+        }
+        assert_eq!(degree_of(1, true), 0);
+        assert_eq!(degree_of(6, true), 4);
+        for n in [600, 1000, 5000, 1_000_000] {
+            let degree = degree_of(n, false);
+            let share = ((degree + 1).pow(2) - 1) as f64 / (2 * n) as f64;
+            assert!(share <= 0.9 && share > 0.84, "{n}: {degree}");
+        }
+    }
+}
