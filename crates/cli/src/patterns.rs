@@ -50,6 +50,11 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     /// Returns the number of points of a single file.
     fn own_count(&self) -> Option<usize>;
 
+    /// Returns the number of points where none is requested.
+    fn default_count(&self, _space: Self::Space) -> Option<usize> {
+        self.own_count()
+    }
+
     /// Returns whether the points are the user's own.
     fn is_file(&self) -> bool;
 
@@ -87,6 +92,10 @@ impl PatternKind for Pattern {
 
     fn own_count(&self) -> Option<usize> {
         self.own_count()
+    }
+
+    fn default_count(&self, domain: Domain) -> Option<usize> {
+        self.default_count(domain)
     }
 
     fn is_file(&self) -> bool {
@@ -248,7 +257,8 @@ pub(crate) fn sampler_of<P: PatternKind<Space = S>, S: Space>(
 }
 
 /// Returns the sampler of `n` points or of the nearest valid count if `nearest`. A single file
-/// needs no `n`. Prints a remark if the number of points differs from `n`, unless `quiet`.
+/// and a design of given degree need no `n`. Prints a remark if the number of points differs from
+/// `n`, unless `quiet`.
 pub(crate) fn nearest_sampler<P: PatternKind<Space = S>, S: Space>(
     pattern: &P,
     n: Option<usize>,
@@ -256,7 +266,7 @@ pub(crate) fn nearest_sampler<P: PatternKind<Space = S>, S: Space>(
     nearest: bool,
     quiet: bool,
 ) -> Result<Box<S::Sampler>, CliError> {
-    let n = n.or(pattern.own_count()).ok_or_else(missing_count)?;
+    let n = n.or(pattern.default_count(space)).ok_or_else(missing_count)?;
     let (got, sampler) = build_counted(pattern, n, space, nearest)?;
     if got != n {
         let label = pattern.label();

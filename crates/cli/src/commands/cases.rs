@@ -30,7 +30,7 @@ impl<P: PredictedPattern> Case<P> {
     }
 
     /// Returns every pattern at every number of points, each case once. A single file has one case,
-    /// at its own number.
+    /// at its own number; without numbers, a design of given degree has one too.
     pub(super) fn all(
         patterns: &[P],
         counts: &[usize],
@@ -39,11 +39,12 @@ impl<P: PredictedPattern> Case<P> {
     ) -> Result<Vec<Self>, CliError> {
         let mut cases: Vec<Self> = Vec::new();
         for pattern in patterns {
-            let own = pattern.own_count();
-            if own.is_none() && counts.is_empty() {
-                return Err(missing_count());
-            }
-            let counts = own.as_ref().map_or(counts, std::slice::from_ref);
+            let fixed = if counts.is_empty() {
+                Some(pattern.default_count(space).ok_or_else(missing_count)?)
+            } else {
+                pattern.own_count()
+            };
+            let counts = fixed.as_ref().map_or(counts, std::slice::from_ref);
             for &n in counts {
                 let case = Self::new(pattern.clone(), n, space, nearest)?;
                 let same = |c: &Self| c.pattern == *pattern && c.n_points() == case.n_points();
