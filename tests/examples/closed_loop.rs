@@ -9,7 +9,7 @@ use std::io::Write;
 
 use sphvar_integrands::{Cap, ClampedCosine, Harmonic, Integrand};
 use sphvar_samplers::{
-    DiskMode, Domain, Pattern, PoissonDiskParameters, Purpose, Realizations, SECONDS_PER_WORK,
+    Domain, Pattern, PoissonDiskParameters, Purpose, Realizations, SECONDS_PER_WORK,
     SpectralControl, StepParameters, Streams,
 };
 use sphvar_spectrum::{Method, Spectrum, estimate};
@@ -260,7 +260,7 @@ fn overtaking(
     name: &str,
     seconds: f64,
 ) -> Outcome<()> {
-    let disks = Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None });
+    let disks = Pattern::PoissonDisk(PoissonDiskParameters::DEFAULT);
     let curve = |pattern: &Pattern, counts: &[usize]| -> Outcome<Vec<VariancePoint>> {
         let mut points = Vec::new();
         for &n in counts {

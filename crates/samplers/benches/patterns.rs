@@ -61,7 +61,10 @@ fn poisson_disk(c: &mut Criterion) {
     let samplers = [DiskMode::Exact, DiskMode::Saturated]
         .into_iter()
         .flat_map(|mode| {
-            let pattern = Pattern::PoissonDisk(PoissonDiskParameters { mode, radius: None });
+            let pattern = Pattern::PoissonDisk(PoissonDiskParameters {
+                mode,
+                ..PoissonDiskParameters::DEFAULT
+            });
             [1024, 4096, 32_768, 262_144, 1_000_000].map(|n| named(&pattern, n))
         })
         .collect();

@@ -98,6 +98,8 @@ impl CostOrder {
     pub(crate) const LINEARITHMIC: Self = Self { logarithm: 1.0, ..Self::LINEAR };
     /// A cost that grows as N^2.
     pub(crate) const QUADRATIC: Self = Self { exponent: 2.0, ..Self::LINEAR };
+    /// A cost that grows as N^3.
+    pub(crate) const CUBIC: Self = Self { exponent: 3.0, ..Self::LINEAR };
 
     /// Returns the same order with a factor that depends on the parameters.
     pub(crate) const fn times(self, factor: &'static str) -> Self {

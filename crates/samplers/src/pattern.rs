@@ -17,7 +17,11 @@ impl Pattern {
     /// ```
     /// use sphvar_samplers::{DiskMode, Pattern, PoissonDiskParameters};
     /// let disks: Pattern = "poisson-disk:radius=2,mode=saturated".parse()?;
-    /// let parameters = PoissonDiskParameters { mode: DiskMode::Saturated, radius: Some(2.0) };
+    /// let parameters = PoissonDiskParameters {
+    ///     mode: DiskMode::Saturated,
+    ///     radius: Some(2.0),
+    ///     ..PoissonDiskParameters::DEFAULT
+    /// };
     /// assert_eq!(disks, Pattern::PoissonDisk(parameters));
     /// assert_eq!(disks.to_string(), "poisson-disk:mode=saturated,radius=2");
     /// let wrong = "riesz:s=5".parse::<Pattern>().unwrap_err();

@@ -13,6 +13,9 @@ pub enum SetDistribution<'a> {
     Independent,
     /// One uniform point in each of N strata of equal area, independent of the others.
     Stratified(Strata<'a>),
+    /// The spherical ensemble of N points, a determinantal point process that is invariant under
+    /// rotations; on the hemisphere with the antipodes of points below the equator.
+    SphericalEnsemble,
     /// Always the same set, up to rotation: one realization determines the spectrum of the pattern.
     Fixed,
     /// One of the given sets, drawn uniformly.
@@ -37,7 +40,9 @@ impl SetDistribution<'_> {
         match self {
             Self::Fixed => false,
             Self::OneOf(sets) => sets.len() > 1,
-            Self::Random | Self::Independent | Self::Stratified(_) => true,
+            Self::Random | Self::Independent | Self::Stratified(_) | Self::SphericalEnsemble => {
+                true
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ mod cell_means;
 mod chord_moments;
 mod partition;
 mod quadrature;
+mod spherical_ensemble;
 mod strata;
 mod strata_quadrature;
 #[cfg(test)]
@@ -27,6 +28,7 @@ pub(crate) const EPSILON: f64 = 1e-13;
 /// - Independent uniform points have power 1 for every `l >= 1`.
 /// - A deterministic pattern has the power of its one set, transformed to `1e-13 N`; a choice
 ///   between several given sets has their mean power.
+/// - The spherical ensemble of N points has `P(l) = 1 - prod_{k=1}^{l} (N - k)/(N + k)`.
 /// - One uniform point in each of N strata `W_k` of equal area, independent of the others, has
 ///
 /// ```text
@@ -67,6 +69,7 @@ enum Kind<'a> {
     Fixed,
     Sets(&'a [PointSet]),
     Stratified(Partition),
+    SphericalEnsemble,
 }
 
 impl<'a> ExactSpectrum<'a> {
@@ -80,6 +83,7 @@ impl<'a> ExactSpectrum<'a> {
             SetDistribution::Stratified(strata) => {
                 Kind::Stratified(Partition::of(strata, sampler.n_points())?)
             }
+            SetDistribution::SphericalEnsemble => Kind::SphericalEnsemble,
             _ => return None,
         };
         Some(Self { sampler, kind })
@@ -99,6 +103,7 @@ impl<'a> ExactSpectrum<'a> {
         let power = match &self.kind {
             Kind::White => vec![1.0; lmax + 1],
             Kind::Stratified(partition) => strata::power(partition, lmax, progress)?,
+            Kind::SphericalEnsemble => spherical_ensemble::power(n_points, lmax),
             Kind::Fixed => {
                 let one =
                     Realizations::unrotated(self.sampler, Streams::new(0, Purpose::Pattern, 0));
@@ -117,7 +122,7 @@ impl<'a> ExactSpectrum<'a> {
     pub fn work(&self, lmax: usize) -> f64 {
         let transform = |n_points| Method::Auto.nominal_work(n_points, lmax);
         match &self.kind {
-            Kind::White => 0.0,
+            Kind::White | Kind::SphericalEnsemble => 0.0,
             Kind::Fixed => self.sampler.nominal_work() + transform(self.sampler.n_points()),
             Kind::Sets(sets) => sets.len() as f64 * transform(self.sampler.n_points()),
             Kind::Stratified(partition) => strata::work(partition, lmax),
@@ -132,7 +137,7 @@ impl<'a> ExactSpectrum<'a> {
         let transform = Method::Auto.bytes(self.sampler.n_points(), lmax, 1);
         spectrum
             + match &self.kind {
-                Kind::White => 0.0,
+                Kind::White | Kind::SphericalEnsemble => 0.0,
                 Kind::Fixed => transform,
                 Kind::Sets(sets) => transform * threads.clamp(1, sets.len().max(1)) as f64,
                 Kind::Stratified(partition) => strata::bytes(partition, lmax, threads),

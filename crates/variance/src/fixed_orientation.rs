@@ -236,12 +236,14 @@ impl Predictor<'_> {
         let whole = rotated.prediction;
         let lmax = rotated.spectrum.lmax();
         match sampler.distribution() {
-            SetDistribution::Independent => Ok(UnrotatedPrediction {
-                variance: whole.variance,
-                stderr: whole.total_stderr(),
-                method: UnrotatedMethod::Isotropic,
-                diagonal: None,
-            }),
+            SetDistribution::Independent | SetDistribution::SphericalEnsemble => {
+                Ok(UnrotatedPrediction {
+                    variance: whole.variance,
+                    stderr: whole.total_stderr(),
+                    method: UnrotatedMethod::Isotropic,
+                    diagonal: None,
+                })
+            }
             SetDistribution::OneOf(sets) => {
                 let estimates = self.estimates_of_sets(sets, progress)?;
                 let n = sets.len() as f64;

@@ -95,7 +95,7 @@ fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f
     const N: usize = 4096;
     const REALIZATIONS: u64 = 300;
     let got = spectrum(
-        &Pattern::PoissonDisk(PoissonDiskParameters { mode, radius: None }),
+        &Pattern::PoissonDisk(PoissonDiskParameters { mode, ..PoissonDiskParameters::DEFAULT }),
         N,
         129,
         REALIZATIONS,
@@ -130,7 +130,7 @@ fn saturated_poisson_disks_have_the_predicted_power() {
 #[ignore = "statistics"]
 fn poisson_disks_peak_at_twice_the_root_of_n() {
     const N: usize = 1024;
-    let disks = Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None });
+    let disks = Pattern::PoissonDisk(PoissonDiskParameters::DEFAULT);
     let got = spectrum(&disks, N, 81, 500);
     let means = (48..=80).map(|l| (l, pooled(&got, l - 1..=l + 1, |_| 1.0)));
     let (l, peak) = means.max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();

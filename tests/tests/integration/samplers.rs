@@ -42,6 +42,7 @@ fn is_expensive(pattern: &Pattern) -> bool {
             | Pattern::BestCandidate { .. }
             | Pattern::Lloyd { .. }
             | Pattern::Riesz { .. }
+            | Pattern::Dpp
     )
 }
 
@@ -213,7 +214,7 @@ fn saturated_disks_keep_the_contract() {
         check(
             &Pattern::PoissonDisk(PoissonDiskParameters {
                 mode: DiskMode::Saturated,
-                radius: None,
+                ..PoissonDiskParameters::DEFAULT
             }),
             domain,
             1,

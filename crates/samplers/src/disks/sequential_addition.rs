@@ -90,20 +90,23 @@ struct Candidate<P> {
 }
 
 impl<'a, S: Subdivision> SequentialAddition<'a, S> {
-    /// Returns a run on an empty domain.
+    /// Returns a run on the domain, which may have disks already.
     pub(crate) fn new(space: S, rng: &'a mut ChaCha8Rng) -> Self {
         Self { rng, free: FreeRegion::whole(space), candidates: Vec::new(), order: Vec::new() }
     }
 
-    /// Appends to `points` until there are `limit` of them or nothing is free; `tick` is called at
-    /// each level and can stop the run.
+    /// Appends to `points`, which are those of the disks on the domain, until there are `limit` of
+    /// them or nothing is free; `tick` is called at each level and can stop the run.
     pub(crate) fn run(
         mut self,
         limit: usize,
         points: &mut Vec<S::Output>,
         tick: Tick<'_>,
     ) -> Result<End, Stopped> {
-        self.start();
+        // With disks almost everywhere, candidates before the first subdivision would be wasted.
+        if points.is_empty() {
+            self.start();
+        }
         loop {
             tick()?;
             self.settle(limit, points);

@@ -75,12 +75,8 @@ impl RieszEnergy {
         let spacing = (self.domain.area() / points.len() as f64).sqrt();
         // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
         let curvature = 6.0 * (self.s * (self.s + 1.0)).max(1.0) * spacing.powf(-self.s - 2.0);
-        let descent = Descent {
-            iterations,
-            scale: 1.0 / curvature,
-            is_adaptive: true,
-            reach: spacing / 3.0,
-        };
+        let descent =
+            Descent { iterations, scale: 1.0 / curvature, is_adaptive: true, reach: spacing / 3.0 };
         let mut downhill = Downhill { energy: self, gradient: Vec::new() };
         descent.run(points, &mut downhill, tick)?;
         Ok(())

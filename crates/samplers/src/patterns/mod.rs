@@ -31,6 +31,7 @@ pattern_list! {
     "best-candidate" = best_candidate::BestCandidate(p: BestCandidateParameters): "each point the farthest of several uniform candidates";
     "leja" = leja::Leja(p: LejaParameters): "each point maximizes the product of its distances from the others";
     "lloyd" = lloyd::Lloyd(p: LloydParameters): "white noise after some steps of Lloyd's relaxation";
+    "dpp" = dpp::Dpp: "the spherical ensemble, a determinantal point process";
     "riesz" = riesz::Riesz(p: RieszParameters): "white noise after some steps down a Riesz energy";
     "sobol" = sobol::Sobol(p: SobolParameters): "Sobol points, Owen-scrambled, by an equal-area map";
     "halton" = halton::Halton(p: HaltonParameters): "Halton points, randomly shifted, by an equal-area map";

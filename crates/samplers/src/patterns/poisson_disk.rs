@@ -1,6 +1,9 @@
+mod boundary;
+mod decreasing;
 mod mode;
 mod packing;
 mod parameters;
+mod placement;
 mod quarters;
 mod sphere_cells;
 
@@ -11,9 +14,12 @@ use rand_chacha::ChaCha8Rng;
 use crate::disks::{End, SequentialAddition, attempts, exact_into};
 use crate::ensemble::progress::Tick;
 use crate::{Domain, Error, PointSet, Progress, Sampler};
+pub use boundary::BoundaryPoissonDisk;
+pub use decreasing::DecreasingPoissonDisk;
 pub use mode::DiskMode;
 pub(crate) use packing::greatest_chord;
 pub use parameters::PoissonDiskParameters;
+pub use placement::DiskPlacement;
 use sphere_cells::SphereCells;
 
 const NAME: &str = "poisson-disk";

@@ -16,10 +16,10 @@ fn set(design: &dyn Sampler) -> PointSet {
 
 /// Returns the powers of the degrees from 0.
 fn powers(points: &[DVec3], lmax: usize) -> Vec<f64> {
-    let squares = ExactTransform::new(lmax).unwrap().adjoint(points, None).unwrap().energy_per_degree();
-    let power = |(l, square): (usize, f64)| {
-        4.0 * PI / points.len() as f64 / (2 * l + 1) as f64 * square
-    };
+    let squares =
+        ExactTransform::new(lmax).unwrap().adjoint(points, None).unwrap().energy_per_degree();
+    let power =
+        |(l, square): (usize, f64)| 4.0 * PI / points.len() as f64 / (2 * l + 1) as f64 * square;
     squares.into_iter().enumerate().map(power).collect()
 }
 

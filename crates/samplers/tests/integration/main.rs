@@ -3,6 +3,8 @@
 mod ccvt;
 mod ccvt_square;
 mod designs;
+mod disk_placements;
+mod dpp;
 mod leja;
 mod point_files;
 mod poisson_disk;
@@ -14,8 +16,8 @@ mod rules;
 mod scrambling;
 mod sequences;
 mod spectral_control;
-mod sphere_maps;
 mod spectral_targets;
+mod sphere_maps;
 mod square;
 mod square_patterns;
 mod square_spectral_control;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rand::{Rng, RngExt};
 use sphvar_samplers::{DiskMode, Domain, Error, PointSet, PoissonDisk, Purpose, Sampler, Streams};
 
-const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
+pub(crate) const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
 fn streams(group: usize) -> Streams {
     Streams::new(20_240_501, Purpose::Pattern, group)
@@ -23,14 +23,14 @@ fn sample(disks: &PoissonDisk, realization: u64) -> Vec<DVec3> {
 }
 
 /// Returns the distance in which disks of the domain exclude each other.
-fn distance(domain: Domain, p: DVec3, q: DVec3) -> f64 {
+pub(crate) fn distance(domain: Domain, p: DVec3, q: DVec3) -> f64 {
     match domain {
         Domain::Sphere => p.distance(q),
         Domain::Hemisphere => p.distance(q).min(p.distance(-q)),
     }
 }
 
-fn uniform(domain: Domain, rng: &mut dyn Rng) -> DVec3 {
+pub(crate) fn uniform(domain: Domain, rng: &mut dyn Rng) -> DVec3 {
     let z = 1.0 - 2.0 * rng.random::<f64>();
     let (sin, cos) = (TAU * rng.random::<f64>()).sin_cos();
     let rho = (1.0 - z * z).sqrt();
@@ -107,55 +107,58 @@ fn results_depend_on_the_generator_and_not_on_the_buffer() {
     }
 }
 
+/// Asserts that no disk of a radius fits beside those of a set.
+///
 /// A set with a free region has a free Voronoi vertex: the point of the region that is farthest
 /// from all disks, which is the circumcentre of three points. It therefore suffices to test
 /// circumcentres. Those of three points within 2.5 chords of one another find holes up to 1.25
 /// chords wide, and random directions find larger ones.
+pub(crate) fn assert_saturated(domain: Domain, set: &[DVec3], chord: f64, what: &str) {
+    let points = ByHeight::new(domain, set);
+    // Free by more than rounding: the circumcentre of a narrow triangle has about 1e-16/sin(angle)
+    // of error, and angles are above 1/3.
+    let is_free = |dir| points.within(dir, chord * (1.0 + 1e-9)).next().is_none();
+    let mut vertices = 0;
+    for &a in &points.points {
+        let near: Vec<DVec3> =
+            points.within(a, 2.5 * chord).filter(|&p| p != a && p.z >= a.z).collect();
+        for (i, &b) in near.iter().enumerate() {
+            for &c in &near[..i] {
+                let normal = (b - a).cross(c - a);
+                if normal.length() < 1e-3 * chord * chord {
+                    continue;
+                }
+                let centre = normal.normalize();
+                for dir in [centre, -centre] {
+                    vertices += usize::from(dir.dot(a) > 0.0);
+                    assert!(!is_free(dir), "{what}: {dir} is free");
+                }
+            }
+        }
+    }
+    assert!(vertices > 2 * set.len(), "{what}: only {vertices} circumcentres");
+
+    let mut rng = streams(set.len()).realization(u64::MAX);
+    let mut directions: Vec<DVec3> = (0..250_000).map(|_| uniform(domain, &mut rng)).collect();
+    // Around the poles, and on the equator, where the hemisphere's antipodes are identified.
+    for k in 0..20_000 {
+        let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
+        let rho = 3.0 * chord.min(0.3) * f64::from(k) / 20_000.0;
+        let z = (1.0 - rho * rho).sqrt();
+        directions.extend([z, -z].map(|z| DVec3::new(rho * cos, rho * sin, z)));
+        directions.push(DVec3::new(cos, sin, 0.0));
+    }
+    for dir in directions {
+        assert!(!is_free(dir), "{what}: {dir} is free");
+    }
+}
+
 #[test]
 fn nothing_is_free_in_a_saturated_set() {
     for domain in DOMAINS {
         for n in [30, 400, 4096] {
             let disks = disks(n, domain, DiskMode::Saturated, None);
-            let chord = disks.chord();
-            let points = ByHeight::new(domain, &sample(&disks, 0));
-            // Free by more than rounding: the circumcentre of a narrow triangle has about
-            // 1e-16/sin(angle) of error, and angles are above 1/3.
-            let is_free = |dir| points.within(dir, chord * (1.0 + 1e-9)).next().is_none();
-            let mut vertices = 0;
-            for &a in &points.points {
-                let near: Vec<DVec3> =
-                    points.within(a, 2.5 * chord).filter(|&p| p != a && p.z >= a.z).collect();
-                for (i, &b) in near.iter().enumerate() {
-                    for &c in &near[..i] {
-                        let normal = (b - a).cross(c - a);
-                        if normal.length() < 1e-3 * chord * chord {
-                            continue;
-                        }
-                        let centre = normal.normalize();
-                        for dir in [centre, -centre] {
-                            vertices += usize::from(dir.dot(a) > 0.0);
-                            assert!(!is_free(dir), "{domain} {n}: {dir} is free");
-                        }
-                    }
-                }
-            }
-            assert!(vertices > 2 * n, "{domain} {n}: only {vertices} circumcentres");
-
-            let mut rng = streams(n).realization(u64::MAX);
-            let mut directions: Vec<DVec3> =
-                (0..250_000).map(|_| uniform(domain, &mut rng)).collect();
-            // Around the poles, and on the equator, where the hemisphere's antipodes are
-            // identified.
-            for k in 0..20_000 {
-                let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
-                let rho = 3.0 * chord.min(0.3) * f64::from(k) / 20_000.0;
-                let z = (1.0 - rho * rho).sqrt();
-                directions.extend([z, -z].map(|z| DVec3::new(rho * cos, rho * sin, z)));
-                directions.push(DVec3::new(cos, sin, 0.0));
-            }
-            for dir in directions {
-                assert!(!is_free(dir), "{domain} {n}: {dir} is free");
-            }
+            assert_saturated(domain, &sample(&disks, 0), disks.chord(), &format!("{domain} {n}"));
         }
     }
 }
@@ -219,7 +222,7 @@ fn throw_by_definition(domain: Domain, n: usize, chord: f64, rng: &mut dyn Rng) 
 /// the small remaining free region: the distance to the nearest point and near contacts. For the
 /// first third, which reveals whether candidates are processed in the order of time: height and
 /// close pairs.
-fn figures(domain: Domain, points: &[DVec3], chord: f64) -> [f64; N_FIGURES] {
+pub(crate) fn figures(domain: Domain, points: &[DVec3], chord: f64) -> [f64; N_FIGURES] {
     let n = points.len() as f64;
     let (early, late) = (points.len().div_ceil(3), points.len() - points.len().div_ceil(8));
     let mut nearest_of = vec![f64::MAX; points.len()];
@@ -259,7 +262,34 @@ fn figures(domain: Domain, points: &[DVec3], chord: f64) -> [f64; N_FIGURES] {
     ]
 }
 
-const N_FIGURES: usize = 10;
+pub(crate) const N_FIGURES: usize = 10;
+
+/// Returns means over sets, and the squares of their standard errors.
+pub(crate) fn mean_figures(
+    n_sets: u64,
+    mut figures: impl FnMut(u64) -> [f64; N_FIGURES],
+) -> [(f64, f64); N_FIGURES] {
+    let all: Vec<[f64; N_FIGURES]> = (0..n_sets).map(&mut figures).collect();
+    let n = all.len() as f64;
+    std::array::from_fn(|k| {
+        let mean = all.iter().map(|f| f[k]).sum::<f64>() / n;
+        let squares: f64 = all.iter().map(|f| (f[k] - mean).powi(2)).sum();
+        (mean, squares / (n * (n - 1.0)))
+    })
+}
+
+/// Asserts that means differ by less than `limit` standard errors.
+pub(crate) fn assert_equal_means(
+    fast: &[(f64, f64); N_FIGURES],
+    slow: &[(f64, f64); N_FIGURES],
+    limit: f64,
+    what: &str,
+) {
+    for (k, (&(a, var_a), &(b, var_b))) in fast.iter().zip(slow).enumerate() {
+        let z = (a - b) / (var_a + var_b).sqrt();
+        assert!(z.abs() < limit, "{what} figure {k}: {a} against {b}, z = {z:.2}");
+    }
+}
 
 /// The distribution is that of plain dart throwing. Ten statistics of 4 patterns are compared by
 /// the difference of their means over independent sets in units of its standard error; all 40 are
@@ -267,29 +297,20 @@ const N_FIGURES: usize = 10;
 #[test]
 #[ignore = "statistics"]
 fn the_distribution_matches_plain_dart_throwing() {
-    const SETS: usize = 600;
+    const SETS: u64 = 600;
     const LIMIT: f64 = 4.35;
     for domain in DOMAINS {
         for (n, radius) in [(12, 2.6), (300, 2.8)] {
             let disks = disks(n, domain, DiskMode::Exact, Some(radius));
             let chord = disks.chord();
-            let mean_and_error = |sets: &mut dyn FnMut(u64) -> Vec<DVec3>| {
-                let all: Vec<[f64; N_FIGURES]> =
-                    (0..SETS as u64).map(|i| figures(domain, &sets(i), chord)).collect();
-                std::array::from_fn::<_, N_FIGURES, _>(|k| {
-                    let mean = all.iter().map(|f| f[k]).sum::<f64>() / SETS as f64;
-                    let squares: f64 = all.iter().map(|f| (f[k] - mean).powi(2)).sum();
-                    (mean, squares / (SETS * (SETS - 1)) as f64)
-                })
+            let of = |sets: &mut dyn FnMut(u64) -> Vec<DVec3>| {
+                mean_figures(SETS, |i| figures(domain, &sets(i), chord))
             };
-            let fast = mean_and_error(&mut |i| sample(&disks, i));
-            let slow = mean_and_error(&mut |i| {
+            let fast = of(&mut |i| sample(&disks, i));
+            let slow = of(&mut |i| {
                 throw_by_definition(domain, n, chord, &mut streams(n).realization(1 << 32 | i))
             });
-            for (k, (&(a, var_a), &(b, var_b))) in fast.iter().zip(&slow).enumerate() {
-                let z = (a - b) / (var_a + var_b).sqrt();
-                assert!(z.abs() < LIMIT, "{domain} {n} figure {k}: {a} against {b}, z = {z:.2}");
-            }
+            assert_equal_means(&fast, &slow, LIMIT, &format!("{domain} {n}"));
         }
     }
 }

@@ -43,12 +43,23 @@ impl Progress for Ticks {
 }
 
 /// The patterns whose realizations are made in steps.
-const ITERATIVE: [&str; 8] =
-    ["ccvt", "step", "blue", "leja", "lloyd", "riesz", "best-candidate", "poisson-disk"];
+const ITERATIVE: [&str; 10] = [
+    "ccvt",
+    "step",
+    "blue",
+    "leja",
+    "lloyd",
+    "riesz",
+    "best-candidate",
+    "poisson-disk",
+    "poisson-disk:placement=decreasing",
+    "dpp",
+];
 
-/// Returns the sampler of the valid count nearest to 500.
+/// Returns the sampler of the valid count nearest to 500, or to 100 for expensive sets.
 fn near_500(pattern: &Pattern, domain: Domain) -> Box<dyn Sampler> {
-    pattern.build(pattern.nearest_count(500, domain), domain).unwrap()
+    let requested = if pattern.nominal_work(500) > 5e6 { 100 } else { 500 };
+    pattern.build(pattern.nearest_count(requested, domain), domain).unwrap()
 }
 
 #[test]

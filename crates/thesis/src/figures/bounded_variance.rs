@@ -4,7 +4,7 @@ use sphvar_spectrum::Spectrum;
 use super::Recipe;
 use super::bound_claims::within_bounds;
 use super::bounded_column::BoundedColumn;
-use super::dart_throwing::with_dart_throwing;
+use super::disk_placement::{boundary_spectrum, with_both_placements, with_dart_throwing};
 use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::{BOUND_COLOUR, ThesisPattern};
 use super::spectra::{LMAX, N_POINTS, mean_spectrum, omega_axis, spectrum_curve};
@@ -37,7 +37,7 @@ impl Recipe for BoundedVariance {
             let spectrum = std::iter::once(mean_spectrum(pattern, setting));
             spectrum.chain(study.trials()).chain(study.spectra())
         };
-        ROWS.into_iter().flat_map(row).collect()
+        ROWS.into_iter().flat_map(row).chain([boundary_spectrum(setting)]).collect()
     }
 
     fn compose(
@@ -56,7 +56,16 @@ impl Recipe for BoundedVariance {
                     of_kinds.push((pattern, row.claims()?));
                 }
                 ThesisPattern::PoissonDisk => {
-                    claims.extend(row.claims()?.into_iter().map(with_dart_throwing));
+                    // The bounds of the spectrum are checked with both placements.
+                    let of_variances = row.claims()?.split_off(2);
+                    for i in 0..2 {
+                        let bound = |job: &Job| {
+                            let spectrum = results.spectrum(job)?;
+                            Ok(within_bounds(pattern, &bounds[index], spectrum)?[i].clone())
+                        };
+                        claims.push(with_both_placements(bound, setting)?);
+                    }
+                    claims.extend(of_variances.into_iter().map(with_dart_throwing));
                 }
                 _ => claims.extend(row.claims()?),
             }

@@ -2,7 +2,7 @@ use sphvar_scene::DirectionMode;
 
 use super::Recipe;
 use super::box_study::{BoxStudy, mse_ratio};
-use super::dart_throwing::with_dart_throwing;
+use super::disk_placement::with_dart_throwing;
 use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::ThesisPattern;
 use crate::{Claim, Error, Figure, Job, Results, Setting, Stated};

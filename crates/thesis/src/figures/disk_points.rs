@@ -49,8 +49,8 @@ impl Recipe for DiskPoints {
         figure.note(format!(
             "Sets come from dart throwing with exactly N points; their disks of half the chord cover {fill:.3} of the sphere \
              (saturated sets: 0.547). The thesis rejects samples from a dense set and calls the result close to boundary \
-             sampling (Dunbar and Humphreys). No sampler here has that mode, so contradictions with its claims about \
-             Poisson disks are undecided."
+             sampling (Dunbar and Humphreys). Its claims about spectra at low degrees and their bounds are checked with \
+             boundary sampling too; others that dart throwing contradicts are undecided."
         ));
         Ok(())
     }

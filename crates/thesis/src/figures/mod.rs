@@ -9,8 +9,8 @@ mod cap_power;
 mod coefficient_clouds;
 mod cornell_box;
 mod crossover_claim;
-mod dart_throwing;
 mod direct_light;
+mod disk_placement;
 mod disk_points;
 #[cfg(test)]
 mod fast_tests;

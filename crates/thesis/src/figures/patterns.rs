@@ -1,4 +1,4 @@
-use sphvar_samplers::{CcvtParameters, DiskMode, MassPoints, Pattern, PoissonDiskParameters};
+use sphvar_samplers::{CcvtParameters, MassPoints, Pattern, PoissonDiskParameters};
 
 /// A pattern of the thesis, with the same colour and name in every figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,9 +33,7 @@ impl ThesisPattern {
         match self {
             Self::WhiteNoise => Pattern::WhiteNoise,
             Self::Jittered => Pattern::Jittered,
-            Self::PoissonDisk => {
-                Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None })
-            }
+            Self::PoissonDisk => Pattern::PoissonDisk(PoissonDiskParameters::DEFAULT),
             Self::CcvtRandom => Self::ccvt(MassPoints::White),
             Self::CcvtFibonacci => Self::ccvt(MassPoints::Fibonacci),
             Self::Healpix => Pattern::Healpix,

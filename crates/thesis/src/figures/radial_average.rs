@@ -4,7 +4,7 @@ use sphvar_samplers::Domain;
 use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
-use super::dart_throwing::with_dart_throwing;
+use super::disk_placement::with_dart_throwing;
 use super::mass_points::{NOTE, with_both_kinds};
 use super::noise_colours;
 use super::order_grid::{OrderGrid, Style};

@@ -3,7 +3,7 @@ use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
 use super::bound_claims::no_power;
-use super::dart_throwing::with_dart_throwing;
+use super::disk_placement::with_dart_throwing;
 use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::ThesisPattern;
 use super::point_panel::{hemisphere_points, sphere_points};

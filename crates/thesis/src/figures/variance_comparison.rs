@@ -6,7 +6,7 @@ use super::Recipe;
 use super::bounded_column::asymptotic;
 use super::box_study::BoxStudy;
 use super::crossover_claim::CrossoverClaim;
-use super::dart_throwing::with_dart_throwing;
+use super::disk_placement::with_dart_throwing;
 use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::ThesisPattern;
 use super::variance_study::VarianceStudy;

@@ -253,6 +253,7 @@ fn distribution(pattern: &Pattern) -> &'static str {
     match sampler.distribution() {
         SetDistribution::Independent => "independent uniform points",
         SetDistribution::Stratified(_) => "one uniform point in each of N cells of equal area",
+        SetDistribution::SphericalEnsemble => "determinantal, invariant under rotations",
         SetDistribution::Fixed => "always the same, up to rotation",
         _ => "random",
     }

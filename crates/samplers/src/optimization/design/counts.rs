@@ -114,7 +114,8 @@ mod tests {
     fn numbers_of_points_are_those_of_published_designs() {
         let count = |degree| default_count(DesignEquations { degree, is_symmetric: false });
         // The platonic solids; Womersley 2018 has 52, 482 and 2114 points.
-        for (degree, n) in [(1, 2), (2, 4), (3, 6), (4, 14), (5, 12), (9, 52), (30, 482), (64, 2114)]
+        for (degree, n) in
+            [(1, 2), (2, 4), (3, 6), (4, 14), (5, 12), (9, 52), (30, 482), (64, 2114)]
         {
             assert_eq!(count(degree), n, "{degree}");
         }

@@ -79,9 +79,8 @@ impl Search<'_> {
         let mut gram = Matrix::zeros(n_equations, n_equations)?;
         let mut factor = Matrix::zeros(n_equations, n_equations)?;
         let mut values = jacobian.values(points, self.progress)?;
-        let residual = |values: &[f64]| {
-            self.equations.residual(&jacobian.squares(values, n_points), n_points)
-        };
+        let residual =
+            |values: &[f64]| self.equations.residual(&jacobian.squares(values, n_points), n_points);
         while residual(&values) > self.tolerance && self.iterations < MAX_STEPS {
             self.iterations += 1;
             self.progress.tick(step_work(n_equations, n_points))?;

@@ -87,7 +87,11 @@ impl Jacobian {
             for &(l, _) in &self.degrees {
                 let Some(first) = self.first[l] else { continue };
                 for m in 0..=l {
-                    add(&mut values[first..], m, weights[l] * harmonics[self.plan.index().at(l, m)]);
+                    add(
+                        &mut values[first..],
+                        m,
+                        weights[l] * harmonics[self.plan.index().at(l, m)],
+                    );
                 }
             }
         }
@@ -236,7 +240,8 @@ mod tests {
                     let area = 4.0 * std::f64::consts::PI / points.len() as f64;
                     let weight = (area / (l * (l + 1)) as f64).sqrt();
                     let weight = if l > 6 { 0.25 * weight } else { weight };
-                    let orders = (0..=l as i64).flat_map(|m| if m == 0 { vec![0] } else { vec![m, -m] });
+                    let orders =
+                        (0..=l as i64).flat_map(|m| if m == 0 { vec![0] } else { vec![m, -m] });
                     for m in orders {
                         let sum = |p: &DVec3| real_ylm_at(l, m, *p).unwrap();
                         values.push(weight * points.iter().map(sum).sum::<f64>());
@@ -257,7 +262,8 @@ mod tests {
                 let omega = axes(points[column / 2])[column % 2];
                 let at = |angle: f64| {
                     let mut moved = points.clone();
-                    moved[column / 2] = glam::DQuat::from_axis_angle(omega, angle) * moved[column / 2];
+                    moved[column / 2] =
+                        glam::DQuat::from_axis_angle(omega, angle) * moved[column / 2];
                     values(&moved)
                 };
                 for (i, (plus, minus)) in at(H).into_iter().zip(at(-H)).enumerate() {

@@ -49,7 +49,11 @@ impl Matrix {
     }
 
     /// Replaces the lower triangle of `gram` by that of `J J^T`.
-    pub(super) fn gram_into(&self, gram: &mut Self, progress: &dyn Progress) -> Result<(), Stopped> {
+    pub(super) fn gram_into(
+        &self,
+        gram: &mut Self,
+        progress: &dyn Progress,
+    ) -> Result<(), Stopped> {
         let (arch, stride, out_stride) = (Arch::new(), self.stride, gram.stride);
         let tiles = gram.data.par_chunks_mut(TILE * out_stride).enumerate();
         tiles.try_for_each(|(tile, out)| {

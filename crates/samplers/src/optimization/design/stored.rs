@@ -47,8 +47,7 @@ pub(super) fn points(equations: DesignEquations, n_points: usize) -> Option<Vec<
     let angle = |bytes: &[u8]| Some(f64::from_le_bytes(bytes.try_into().ok()?));
     let point = |bytes: &[u8]| {
         let (theta, phi) = bytes.split_at(POINT / 2);
-        let ((sin_theta, cos_theta), (sin, cos)) =
-            (angle(theta)?.sin_cos(), angle(phi)?.sin_cos());
+        let ((sin_theta, cos_theta), (sin, cos)) = (angle(theta)?.sin_cos(), angle(phi)?.sin_cos());
         Some(DVec3::new(sin_theta * cos, sin_theta * sin, cos_theta))
     };
     bytes.chunks_exact(POINT).map(point).collect()
@@ -73,9 +72,8 @@ mod tests {
         let squares = jacobian.squares(&jacobian.values(points, &()).unwrap(), n);
         let domain = equations.domain();
         let distance = separation(points, domain, &()).unwrap().unwrap_or(2.0);
-        let power = |l: usize| {
-            4.0 * std::f64::consts::PI / n as f64 / (2 * l + 1) as f64 * squares[l]
-        };
+        let power =
+            |l: usize| 4.0 * std::f64::consts::PI / n as f64 / (2 * l + 1) as f64 * squares[l];
         let beyond = (equations.degree + 1..squares.len()).map(power).fold(0.0, f64::max);
         let residual = equations.residual(&squares, n);
         [residual, distance * domain.count_on_sphere(n).sqrt(), beyond]

@@ -1,6 +1,6 @@
 use sphvar_grammar::{Declaration, Parametric, Range};
 
-use super::{DiskMode, PoissonDisk};
+use super::{BoundaryPoissonDisk, DecreasingPoissonDisk, DiskMode, DiskPlacement, PoissonDisk};
 use crate::definition::Definition;
 use crate::{CostOrder, Domain, Error, PatternFacts, Rate, Sampler};
 
@@ -11,11 +11,14 @@ pub struct PoissonDiskParameters {
     pub mode: DiskMode,
     /// The minimum chord times sqrt(N), or [`PoissonDisk::default_radius`].
     pub radius: Option<f64>,
+    /// The method by which points are placed.
+    pub placement: DiskPlacement,
 }
 
 impl PoissonDiskParameters {
     /// The default parameters.
-    pub const DEFAULT: Self = Self { mode: DiskMode::Exact, radius: None };
+    pub const DEFAULT: Self =
+        Self { mode: DiskMode::Exact, radius: None, placement: DiskPlacement::Dart };
 }
 
 impl Default for PoissonDiskParameters {
@@ -33,26 +36,47 @@ impl Parametric for PoissonDiskParameters {
         );
         let summary = "minimum chord times sqrt(N), on the hemisphere times sqrt(2N)";
         d.optional_number("radius", Range::POSITIVE, summary, "by N", &mut self.radius);
+        d.choice("placement", "method by which points are placed", &mut self.placement);
     }
 }
 
 impl Definition for PoissonDiskParameters {
     fn facts(&self) -> PatternFacts {
-        let low_degrees = match self.mode {
-            DiskMode::Exact => "0.0596",
-            DiskMode::Saturated => "0.0578",
+        let low_degrees = match (self.placement, self.mode) {
+            (DiskPlacement::Dart, DiskMode::Exact) => "0.0596",
+            (DiskPlacement::Dart, DiskMode::Saturated) => "0.0578",
+            (DiskPlacement::Boundary, _) => "0.04, twice that at l = 1",
+            (DiskPlacement::Decreasing, _) => "0.08",
         };
         PatternFacts {
-            cost: CostOrder::LINEAR,
+            cost: match (self.placement, self.mode) {
+                (DiskPlacement::Boundary, DiskMode::Exact) => {
+                    CostOrder { exponent: 1.5, ..CostOrder::LINEAR }
+                }
+                _ => CostOrder::LINEAR,
+            },
             low_degrees,
             smooth_rate: Rate::power(-1.0),
             jump_rate: Rate::power(-1.0),
             is_extensible: false,
-            source: "Cook 1986; Gamito and Maddock 2009",
+            source: match self.placement {
+                DiskPlacement::Dart => "Cook 1986; Gamito and Maddock 2009",
+                DiskPlacement::Boundary => "Dunbar and Humphreys 2006",
+                DiskPlacement::Decreasing => "McCool and Fiume 1992",
+            },
         }
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(PoissonDisk::new(n_points, domain, self.mode, self.radius)?))
+        let Self { mode, radius, placement } = *self;
+        Ok(match placement {
+            DiskPlacement::Dart => Box::new(PoissonDisk::new(n_points, domain, mode, radius)?),
+            DiskPlacement::Boundary => {
+                Box::new(BoundaryPoissonDisk::new(n_points, domain, mode, radius)?)
+            }
+            DiskPlacement::Decreasing => {
+                Box::new(DecreasingPoissonDisk::new(n_points, domain, mode, radius)?)
+            }
+        })
     }
 }

@@ -23,6 +23,11 @@ impl SphereCells {
         Self { domain, chord, grid: Grid::new(domain, chord, n_points) }
     }
 
+    /// Adds the disk around a point of the domain.
+    pub(super) fn insert_at(&mut self, point: DVec3) {
+        self.grid.insert(self.grid.place(Cell::containing(self.grid.nside(), point)), point);
+    }
+
     fn nside(&self, level: u32) -> u32 {
         self.grid.nside().value() << level
     }
