@@ -13,14 +13,23 @@ use sphvar_integrands::{Energy, Integrand};
 /// not exceed the integrand's band limit.
 #[must_use]
 pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
-    let natural = Resolution::natural_degree(sampler.n_points());
     let is_lattice =
         matches!(sampler.distribution(), SetDistribution::Fixed | SetDistribution::OneOf(_));
+    degree_limit(sampler.n_points(), sampler.domain(), integrand, is_lattice)
+}
+
+/// Returns [`prediction_degree`] of a random pattern or a lattice.
+pub(crate) fn degree_limit(
+    n_points: usize,
+    domain: Domain,
+    integrand: &dyn Integrand,
+    is_lattice: bool,
+) -> usize {
+    let natural = Resolution::natural_degree(n_points);
     let degree = if is_lattice { natural.saturating_mul(10) } else { natural };
     let resolved =
         integrand.resolved_degree().map_or(degree, |limit| degree.min(limit.max(natural)));
-    let band =
-        integrand.band_limit().filter(|&limit| is_limited(integrand, sampler.domain(), limit));
+    let band = integrand.band_limit().filter(|&limit| is_limited(integrand, domain, limit));
     band.map_or(resolved, |limit| resolved.min(limit))
 }
 

@@ -82,8 +82,8 @@ pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use prediction_budget::{PredictionBudget, SpectrumOptions};
 pub use predictor::{Predictor, PredictorOn};
 pub use progressive::{
-    Factors, PrefixMeasurement, ProgressiveCurve, ProgressivePoint, ProgressivePredictor,
-    ProgressiveSpace, Randomized,
+    Factors, PrefixMeasurement, PrefixVariances, ProgressiveCurve, ProgressivePoint,
+    ProgressivePredictor, ProgressiveSpace, Randomized,
 };
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};

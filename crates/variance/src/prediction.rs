@@ -72,7 +72,7 @@ impl Prediction {
     ///
     /// The square of s has `dof` degrees of freedom and that of e an infinite number, so that of
     /// the sum has `(s^2 + e^2)^2/(s^4/dof)` (Welch 1947).
-    fn with_energy_stderr(self, energy_stderr: f64) -> Self {
+    pub(crate) fn with_energy_stderr(self, energy_stderr: f64) -> Self {
         if energy_stderr == 0.0 {
             return self;
         }

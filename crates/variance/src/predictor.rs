@@ -16,7 +16,7 @@ use crate::{Error, PredictedPoint, Prediction, PredictionBudget, SpectrumOptions
 use sphvar_integrands::{Energy, EnergyErrors};
 
 pub(crate) use self::sphere::negligible;
-pub(crate) use self::together::{Sums, predict as predict_together};
+pub(crate) use self::together::{Sums, predict as predict_together, predict_from_sets};
 pub(crate) use self::white_noise::ROUNDING;
 
 /// Predicts the variance of integrating one function over the sphere or the hemisphere with any
@@ -261,7 +261,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
 
     /// Returns the prediction for power 1 in every degree, from the integrand's mean and mean
     /// square.
-    fn flat_prediction(&self, n_points: usize) -> Prediction {
+    pub(crate) fn flat_prediction(&self, n_points: usize) -> Prediction {
         let of_sum = |errors: &EnergyErrors<_>| errors.of_sum(&[], TailClasses::all(1.0));
         let error = self.outline.errors().map_or(0.0, of_sum);
         let energy_stderr = self.outline.bands().factor(n_points) * error;
@@ -291,12 +291,16 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         purpose: Purpose,
         sampler: S::SamplerRef<'s>,
     ) -> S::Realizations<'s> {
-        let group = S::stream_group(sampler) ^ self.group;
-        S::realizations(sampler, Streams::new(self.seed, purpose, group))
+        S::realizations(sampler, self.streams(purpose, S::stream_group(sampler)))
+    }
+
+    /// Returns the random streams of predictions or of trials of a sampler, given its number.
+    pub(crate) fn streams(&self, purpose: Purpose, group: usize) -> Streams {
+        Streams::new(self.seed, purpose, group ^ self.group)
     }
 
     /// Returns how far the spectrum of a sampler is computed.
-    fn extent(
+    pub(crate) fn extent(
         &mut self,
         budget: PredictionBudget,
         sampler: S::SamplerRef<'_>,

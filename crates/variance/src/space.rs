@@ -4,6 +4,7 @@ mod frequencies;
 mod sphere;
 mod square;
 
+pub(crate) use self::frequencies::prefix_frequencies;
 pub use self::square::SquarePredictor;
 
 use std::ops::Range;

@@ -5,6 +5,7 @@ use sphvar_sh::{ByParity, MAX_DEGREE};
 use sphvar_spectrum::Resolution;
 
 use super::Predictor;
+use crate::degree::degree_limit;
 use crate::{Error, PredictionBudget, SpectrumOptions, prediction_degree};
 use sphvar_integrands::{Energy, Integrand};
 
@@ -118,7 +119,27 @@ impl<'a> Predictor<'a> {
             SetDistribution::OneOf(_) | SetDistribution::Fixed => {}
             _ => return Ok(max),
         }
-        let min_lmax = natural.min(max);
+        self.negligible_degree(negligible, [natural.min(max), max])
+    }
+
+    /// Returns the degree to which the kernel of pairs is computed for the prefixes of sets: that of
+    /// spectra of lattices, since the cost of the kernel does not depend on it.
+    pub(crate) fn prefix_degree(&mut self, sampler: &dyn Sampler) -> Result<usize, Error> {
+        if let Some(lmax) = self.options.lmax {
+            return Ok(lmax);
+        }
+        let max = degree_limit(sampler.n_points(), sampler.domain(), self.integrand, true);
+        let natural = Resolution::natural_degree(sampler.n_points());
+        self.negligible_degree(negligible(self.budget), [natural.min(max), max])
+    }
+
+    /// Returns the lowest degree within `[min, max]` beyond which the integrand has a negligible
+    /// share of its energy from half of `min` on.
+    fn negligible_degree(
+        &mut self,
+        negligible: f64,
+        [min_lmax, max]: [usize; 2],
+    ) -> Result<usize, Error> {
         let mut requested = min_lmax;
         loop {
             let energy = self.energy_to(requested)?;

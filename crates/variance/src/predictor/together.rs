@@ -1,6 +1,6 @@
 //! Predictions for several integrands from the same spectra.
 
-use sphvar_samplers::{Progress, Purpose};
+use sphvar_samplers::{PointSet, Progress, Purpose};
 use sphvar_sh::Bands;
 use sphvar_spectrum::{Accumulator, SpectrumAccumulator};
 
@@ -82,12 +82,12 @@ fn to_extent<S: IntegrationSpace>(
             predictors.iter_mut().map(point).collect()
         }
         Route::All(sets) => {
-            let empty = accumulators(predictors, sampler, extent)?;
+            let empty = accumulators(predictors, n_points, extent)?;
             let all = 0..sets.len() as u64;
             exactly(&S::accumulate(&sets, &options, (n_points, extent), all, &empty, progress)?)
         }
         Route::Sampled if !S::distribution(sampler).is_random() => {
-            let empty = accumulators(predictors, sampler, extent)?;
+            let empty = accumulators(predictors, n_points, extent)?;
             let sets = predictors[0].realizations(Purpose::Pattern, sampler);
             exactly(&S::accumulate(&sets, &options, (n_points, extent), 0..1, &empty, progress)?)
         }
@@ -100,10 +100,10 @@ pub(crate) type Sums<B> = (SpectrumAccumulator<B>, Vec<PredictionAccumulator<<B 
 
 fn accumulators<S: IntegrationSpace>(
     predictors: &mut [&mut PredictorOn<'_, S>],
-    sampler: S::SamplerRef<'_>,
+    n_points: usize,
     extent: &S::Extent,
 ) -> Result<Sums<S::Bands>, Error> {
-    let (n_points, last) = (S::n_points(sampler), S::last_band(extent));
+    let last = S::last_band(extent);
     let spectrum = predictors[0].space.empty_spectrum(n_points, extent)?;
     let each = predictors
         .iter_mut()
@@ -132,10 +132,11 @@ fn estimate<S: IntegrationSpace>(
     extent: &S::Extent,
     progress: &dyn Progress,
 ) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
-    let empty = accumulators(predictors, sampler, extent)?;
+    let n_points = S::n_points(sampler);
+    let empty = accumulators(predictors, n_points, extent)?;
     let Some(predictor) = predictors.first() else { return Ok(Vec::new()) };
     let max = predictor.max_realizations(budget, sampler, extent);
-    let (options, size) = (predictor.options, (S::n_points(sampler), extent));
+    let (options, size) = (predictor.options, (n_points, extent));
     let sets = predictor.realizations(Purpose::Pattern, sampler);
     let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
     let (mut sum, mut count) = (empty.clone(), 0);
@@ -161,4 +162,18 @@ fn estimate<S: IntegrationSpace>(
         }
         next = (2 * count).min(max);
     }
+}
+
+/// Returns the mean prediction from sets, with the errors of tail and energies.
+pub(crate) fn predict_from_sets<S: IntegrationSpace>(
+    predictor: &mut PredictorOn<'_, S>,
+    n_points: usize,
+    extent: &S::Extent,
+    sets: &[PointSet<S::Point>],
+    progress: &dyn Progress,
+) -> Result<Prediction, Error> {
+    let empty = accumulators(&mut [predictor], n_points, extent)?;
+    let (all, size) = (0..sets.len() as u64, (n_points, extent));
+    let sums = S::accumulate(&sets, &predictor.options, size, all, &empty, progress)?;
+    Ok(sums.1[0].finish())
 }

@@ -1,7 +1,7 @@
 use rayon::prelude::{
     IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator, ParallelSliceMut,
 };
-use sphvar_samplers::{Ensemble, PointSet, Progress, Purpose, Streams};
+use sphvar_samplers::{Ensemble, PointSet, Progress, Purpose};
 
 use super::space::ProgressiveSpace;
 use super::{ProgressivePoint, Randomized};
@@ -18,7 +18,7 @@ pub struct PrefixMeasurement {
     /// The standard error of the variance.
     pub stderr: f64,
     /// The end points of the 95 % confidence interval; `None` if too few trials decide about the
-    /// variance.
+    /// variance, or if sets as they are drawn do not vary.
     pub interval: Option<(f64, f64)>,
     /// The difference of measured and predicted variance in standard errors,
     /// [`Comparison::z_score`](crate::Comparison::z_score); NaN without a prediction.
@@ -59,7 +59,6 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
         points: Vec<ProgressivePoint>,
         progress: &dyn Progress,
     ) -> Result<Vec<ProgressivePoint>, Error> {
-        let randomized = self.randomized;
         let trials = usize::try_from(self.trials).unwrap_or(usize::MAX);
         // A block of prefixes repeats the trials, so that memory is bounded.
         let block = (MAX_ESTIMATES / trials.max(1)).max(1);
@@ -67,36 +66,40 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
         for points in points.chunks(block) {
             let counts: Vec<usize> = points.iter().map(|point| point.n_points).collect();
             let rows = self.estimates(predictor, &counts, progress)?;
-            let experiments = counts.iter().map(|&n_points| {
-                S::with_prefix(self.sampler, n_points, self.group, |prefix| {
-                    Ok(predictor.experiment(prefix))
-                })
-            });
-            let experiments = experiments.collect::<Result<Vec<_>, Error>>()?;
-            let of_prefix =
-                |(i, (point, experiment)): (usize, (&ProgressivePoint, &Experiment))| {
-                    progress.tick(0.0)?;
-                    let estimates = rows.iter().skip(i).step_by(counts.len()).copied().collect();
-                    let comparison =
-                        experiment.comparison(point.prediction, Measurement::new(estimates));
-                    let measurement = PrefixMeasurement::of(&comparison, randomized);
-                    Ok(ProgressivePoint { measurement: Some(measurement), ..point.clone() })
-                };
-            let pairs = points.par_iter().zip(&experiments).enumerate();
-            let found: Result<Vec<_>, Error> = pairs.map(of_prefix).collect();
-            measured.extend(found?);
+            let experiments = self.experiments(predictor, &counts)?;
+            measured.extend(measured_points(
+                points,
+                &rows,
+                &experiments,
+                self.randomized,
+                progress,
+            )?);
         }
         Ok(measured)
     }
 
+    /// Returns what is known of the trials of each prefix.
+    pub(super) fn experiments(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+        counts: &[usize],
+    ) -> Result<Vec<Experiment>, Error> {
+        let of_prefix = |&n_points: &usize| {
+            S::with_prefix(self.sampler, n_points, self.group, |prefix| {
+                Ok(predictor.experiment(prefix))
+            })
+        };
+        counts.iter().map(of_prefix).collect()
+    }
+
     /// Returns the estimates from the prefixes, trial by trial.
-    fn estimates(
+    pub(super) fn estimates(
         &self,
         predictor: &PredictorOn<'_, S>,
         counts: &[usize],
         progress: &dyn Progress,
     ) -> Result<Vec<f64>, Error> {
-        let streams = Streams::new(predictor.seed(), Purpose::Trial, self.group);
+        let streams = predictor.streams(Purpose::Trial, self.group);
         let sets = match self.randomized {
             Randomized::Rotated => S::realizations(self.sampler, streams),
             Randomized::AsDrawn => S::as_drawn(self.sampler, streams),
@@ -106,7 +109,9 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
         let trial = |(set, values): &mut (PointSet<S::Point>, Vec<f64>),
                      (index, row): (usize, &mut [f64])| {
             sets.realize_into(index as u64, set, progress).map_err(sphvar_spectrum::Error::from)?;
+            check_length(set.len(), last)?;
             set.points.truncate(last);
+            set.weights.truncate(last);
             set.normalize_weights();
             values.clear();
             values.resize(set.len(), 0.0);
@@ -144,25 +149,55 @@ impl PrefixMeasurement {
         };
         let is_about_exact = randomized == Randomized::AsDrawn && prediction.is_unknown();
         match exact.filter(|_| is_about_exact) {
-            Some(exact) => own.about(exact, measurement.estimates()),
+            Some(exact) => own.about(exact, comparison),
             None => own,
         }
     }
 
     /// Returns the measurement with the mean squared deviation from the exact integral.
-    fn about(self, exact: f64, estimates: &[f64]) -> Self {
+    fn about(self, exact: f64, comparison: &Comparison) -> Self {
+        let estimates = comparison.measurement.estimates();
         let squares = Measurement::new(estimates.iter().map(|x| (x - exact).powi(2)).collect());
-        let variance = squares.mean();
-        let relative = if variance > 0.0 { squares.mean_stderr() / variance } else { 0.0 };
-        let error = RelativeError::new(estimates.len(), relative);
+        let own = Self { variance: squares.mean(), is_about_exact: true, ..self };
+        // The error of a set that does not vary is no estimate.
+        if self.variance <= comparison.rounding {
+            return Self { stderr: 0.0, interval: None, ..own };
+        }
+        let error = RelativeError::new(estimates.len(), squares.mean_stderr() / own.variance);
         Self {
-            variance,
-            stderr: variance * error.relative(),
-            interval: error.interval(variance, CONFIDENCE),
-            is_about_exact: true,
-            ..self
+            stderr: own.variance * error.relative(),
+            interval: error.interval(own.variance, CONFIDENCE),
+            ..own
         }
     }
+}
+
+/// Returns the points with the variances of estimates, which are given trial by trial.
+pub(super) fn measured_points(
+    points: &[ProgressivePoint],
+    rows: &[f64],
+    experiments: &[Experiment],
+    randomized: Randomized,
+    progress: &dyn Progress,
+) -> Result<Vec<ProgressivePoint>, Error> {
+    let of_prefix = |(i, (point, experiment)): (usize, (&ProgressivePoint, &Experiment))| {
+        progress.tick(0.0)?;
+        let estimates = rows.iter().skip(i).step_by(points.len()).copied().collect();
+        let comparison = experiment.comparison(point.prediction, Measurement::new(estimates));
+        let measurement = PrefixMeasurement::of(&comparison, randomized);
+        Ok(ProgressivePoint { measurement: Some(measurement), ..point.clone() })
+    };
+    points.par_iter().zip(experiments).enumerate().map(of_prefix).collect()
+}
+
+/// Checks that a realization has the points of the longest prefix.
+pub(super) fn check_length(n_points: usize, last: usize) -> Result<(), Error> {
+    if n_points >= last {
+        return Ok(());
+    }
+    let reason =
+        format!("a realization has {n_points} points, fewer than the {last} of the longest prefix");
+    Err(sphvar_samplers::Error::Given { reason }.into())
 }
 
 /// Writes the weighted means of the first values of a set.

@@ -1,15 +1,22 @@
 //! Errors of every prefix of a sequence.
 
+mod chord_kernel;
+mod estimate;
 mod factors;
+mod low_degrees;
 mod measurement;
 mod predictor;
 mod prefix;
+mod prefixes;
 mod space;
+mod sphere_variances;
+mod square_variances;
+mod warped;
 
 pub use factors::Factors;
 pub use measurement::PrefixMeasurement;
 pub use predictor::ProgressivePredictor;
-pub use space::ProgressiveSpace;
+pub use space::{PrefixVariances, ProgressiveSpace};
 
 use crate::{PredictedVariance, Prediction};
 

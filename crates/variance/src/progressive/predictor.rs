@@ -1,9 +1,11 @@
 use sphvar_samplers::{Domain, Progress};
 
 use super::measurement::PrefixTrials;
+use super::prefixes::{KnownVariances, Prefixes, check_counts, unknown};
 use super::space::{ProgressiveSpace, is_homogeneous};
-use super::{ProgressiveCurve, ProgressivePoint, Randomized};
-use crate::{Error, Prediction, PredictorOn};
+use super::{ProgressiveCurve, Randomized};
+use crate::estimates::trial_work_of;
+use crate::{Error, PredictorOn};
 
 /// Predicts and measures the variance of integrating one function with every prefix of a sequence.
 ///
@@ -31,6 +33,7 @@ use crate::{Error, Prediction, PredictorOn};
 #[derive(Debug)]
 pub struct ProgressivePredictor<'a, S: ProgressiveSpace = Domain> {
     predictor: PredictorOn<'a, S>,
+    known: KnownVariances<S::Point>,
 }
 
 impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
@@ -38,7 +41,7 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
     /// a predictor of single sets.
     #[must_use]
     pub fn new(predictor: PredictorOn<'a, S>) -> Self {
-        Self { predictor }
+        Self { predictor, known: None }
     }
 
     /// Returns the predictor of single sets for the same integrand, such as those of a reference.
@@ -62,17 +65,11 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
         counts: &[usize],
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
-        check_counts(counts, S::n_points(sampler))?;
-        let mut realizations = 0;
-        let mut predict = |&n_points: &usize| {
-            let point = S::with_prefix(sampler, n_points, group, |prefix| {
-                self.predictor.predict(prefix, progress)
-            })?;
-            realizations = realizations.max(point.spectrum.realizations());
-            Ok(ProgressivePoint { n_points, prediction: point.prediction, measurement: None })
-        };
-        let points = counts.iter().map(&mut predict).collect::<Result<_, Error>>()?;
-        Ok(ProgressiveCurve { points, realizations })
+        self.prefixes().predict(sampler, group, counts, progress)
+    }
+
+    fn prefixes(&mut self) -> Prefixes<'_, 'a, S> {
+        Prefixes { predictor: &mut self.predictor, known: &mut self.known }
     }
 
     /// Returns the curve with the variances measured from `trials` realizations, which are
@@ -136,33 +133,7 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
         counts: &[usize],
         trials: u64,
     ) -> Result<f64, Error> {
-        let mut work = trials as f64 * crate::estimates::trial_work_of::<S>(sampler);
-        for &n_points in counts {
-            work += S::with_prefix(sampler, n_points, 0, |prefix| self.predictor.work(prefix))?;
-        }
-        Ok(work)
-    }
-}
-
-/// Returns the curve without predictions.
-fn unknown(counts: &[usize]) -> ProgressiveCurve {
-    let point = |&n_points: &usize| ProgressivePoint {
-        n_points,
-        prediction: Prediction::UNKNOWN,
-        measurement: None,
-    };
-    ProgressiveCurve { points: counts.iter().map(point).collect(), realizations: 0 }
-}
-
-/// Checks that numbers of points are distinct, increasing and those of prefixes.
-fn check_counts(counts: &[usize], n_points: usize) -> Result<(), Error> {
-    let is_increasing = counts.windows(2).all(|pair| pair[0] < pair[1]);
-    let out_of_range = counts.iter().find(|&&n| n == 0 || n > n_points || !is_increasing);
-    match out_of_range {
-        None => Ok(()),
-        Some(&n) => {
-            let range = "increasing, from 1 to the number of points of the sequence";
-            Err(Error::Parameter { name: "numbers of points", range, got: n as f64 })
-        }
+        let measured = trials as f64 * trial_work_of::<S>(sampler);
+        Ok(measured + self.prefixes().work(sampler, counts)?)
     }
 }

@@ -54,6 +54,18 @@ pub(super) fn prediction_frequencies(
     }
 }
 
+/// Returns the frequencies for all prefixes of a sequence, to which every point adds a term for each
+/// of them: those of [`prediction_frequencies`] for a random pattern.
+pub(crate) fn prefix_frequencies(
+    predictor: &SquarePredictor<'_>,
+    sampler: &dyn SquareSampler,
+) -> Result<Frequencies, Error> {
+    let limit = predictor.integrand().band_limit().unwrap_or(usize::MAX);
+    let natural = natural_frequency(sampler.n_points()).min(limit);
+    let kmax = predictor.options().lmax.unwrap_or(natural);
+    frequencies(predictor, kmax, axis_maximum(sampler.n_points()).min(limit))
+}
+
 /// Returns the frequencies for a pattern that may be a lattice, which has peaks at all frequencies:
 /// only their mean is 1.
 ///

@@ -11,6 +11,7 @@ mod text;
 pub use comparison::{LargestSeen, WarpedComparison};
 pub use pattern::WarpedPattern;
 pub use point::WarpedPoint;
+pub(crate) use point::sum;
 pub use predictor::WarpedPredictor;
 pub use realizations::WarpedRealizations;
 pub use shares::best_shares;

@@ -38,7 +38,7 @@ impl PredictedVariance for WarpedPoint {
 
 /// Returns the sum of variances. Errors of spectra are independent, as their realizations are. Those
 /// of energies and tails, which follow from the same function, are added.
-fn sum(predictions: &[Prediction]) -> Prediction {
+pub(crate) fn sum(predictions: &[Prediction]) -> Prediction {
     if let [single] = predictions {
         return *single;
     }

@@ -112,6 +112,10 @@ impl<'a> WarpedPredictor<'a> {
         self.strategies.iter().map(|(_, predictor)| predictor)
     }
 
+    pub(crate) fn predictors(&mut self) -> impl Iterator<Item = &mut SquarePredictor<'a>> {
+        self.strategies.iter_mut().map(|(_, predictor)| predictor)
+    }
+
     /// Returns the variance with independent points, `n_points` in all, whose numbers are the
     /// pattern's shares; in closed form.
     #[must_use]
@@ -221,7 +225,7 @@ impl<'a> WarpedPredictor<'a> {
 
     /// Returns the samplers of the strategies, of which the pattern must have as many as the
     /// predictor.
-    fn samplers(
+    pub(crate) fn samplers(
         &self,
         pattern: &WarpedPattern,
         n_points: usize,

@@ -11,6 +11,7 @@ mod joint_trials;
 mod measured_intervals;
 mod other_bands;
 mod predictions;
+mod progressive;
 mod square;
 mod sums;
 mod tails;
