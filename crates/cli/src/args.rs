@@ -4,7 +4,7 @@ use clap::{Parser, Subcommand};
 
 use crate::commands::{
     accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, lights,
-    list, merge, quality, render, reproduce, sample, spectrum, variance, weights,
+    list, merge, progressive, quality, render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
 
@@ -52,6 +52,9 @@ pub(crate) enum Command {
     /// Predict and measure the variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),
+    /// Predict and measure the error of every prefix of sequences, for progressive sampling
+    #[command(after_help = progressive::EXAMPLES)]
+    Progressive(progressive::ProgressiveArgs),
     /// Integrate a function to a tolerance, with nodes and an error
     #[command(after_help = integrate::EXAMPLES)]
     Integrate(integrate::IntegrateArgs),

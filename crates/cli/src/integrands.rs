@@ -26,7 +26,7 @@ use sphvar_samplers::Domain;
 use sphvar_warps::DensityMap;
 
 use self::environment::Environment;
-pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
+pub(crate) use self::integrals::{Integral, IntegralName, Integrals, with_integrals};
 pub(crate) use self::rgb::parse_integrands;
 pub(crate) use self::square::{NamedSquareIntegrand, SquareForms, parse_square_integrand};
 pub(crate) use self::warps::strategies_of;

@@ -107,6 +107,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
         Command::Merge(args) => commands::merge::run(&args, &cli.global),
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
+        Command::Progressive(args) => commands::progressive::run(&args, &cli.global),
         Command::Integrate(args) => commands::integrate::run(&args, &cli.global),
         Command::Weights(args) => commands::weights::run(&args, &cli.global),
         Command::Fit(args) => commands::fit::run(&args, &cli.global),

@@ -26,7 +26,7 @@ pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effect
 pub(crate) use self::sampler_name::SamplerName;
 
 /// The name of all patterns together, for subcommands that accept several.
-const ALL: &str = "all";
+pub(crate) const ALL: &str = "all";
 
 /// The patterns of the sphere, or those of the unit square.
 pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
@@ -58,6 +58,16 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     /// Returns whether the points are the user's own.
     fn is_file(&self) -> bool;
 
+    /// Returns the number of the random streams that all prefixes of a sequence share; `None` for
+    /// files and for patterns that are not sequences.
+    fn sequence_group(&self) -> Option<usize>;
+
+    /// Returns whether the first points of a set are a set of the pattern; the points of a file are a
+    /// sequence in its order.
+    fn is_sequence(&self) -> bool {
+        self.is_file() || self.sequence_group().is_some()
+    }
+
     /// Returns whether a pattern has the name.
     fn is_name(name: &str) -> bool;
 
@@ -69,8 +79,8 @@ impl PatternKind for Pattern {
     type Space = Domain;
 
     const WARPS_REJECTED: &str = "warp= samples directions of a density, which are not homogeneous and have no angular \
-        spectrum; variance, compare, choose, sample, render and lights support it. --square is for the pattern of the unit \
-        square itself, without warp=";
+        spectrum; variance, compare, choose, progressive, sample, render and lights support it. --square is for the \
+        pattern of the unit square itself, without warp=";
 
     fn all() -> Vec<Self> {
         Self::ALL.to_vec()
@@ -102,6 +112,10 @@ impl PatternKind for Pattern {
         matches!(self, Self::PointFile(_))
     }
 
+    fn sequence_group(&self) -> Option<usize> {
+        self.sequence_group()
+    }
+
     fn is_name(name: &str) -> bool {
         Self::known().any(|pattern| pattern.name() == name)
     }
@@ -110,7 +124,7 @@ impl PatternKind for Pattern {
         SquarePattern::is_name(name).then(|| {
             format!(
                 "{name} is a pattern of the unit square, for the option --square of sample, spectrum, quality, \
-                 variance, compare and choose"
+                 variance, compare, choose and progressive"
             )
         })
     }
@@ -146,6 +160,10 @@ impl PatternKind for SquarePattern {
 
     fn is_file(&self) -> bool {
         matches!(self, Self::PointFile(_))
+    }
+
+    fn sequence_group(&self) -> Option<usize> {
+        self.sequence_group()
     }
 
     fn is_name(name: &str) -> bool {

@@ -19,6 +19,7 @@ use crate::commands::healpix::HealpixBody;
 use crate::commands::integrate::IntegrateBody;
 use crate::commands::lights::LightsBody;
 use crate::commands::list::ListBody;
+use crate::commands::progressive::record::ProgressiveBody;
 use crate::commands::quality::QualityBody;
 use crate::commands::quality::square_record::SquareQualityBody;
 use crate::commands::render::sheet::SheetBody;
@@ -62,6 +63,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("lights", document::<LightsBody>(generator)),
         ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
+        ("progressive", document::<ProgressiveBody>(generator)),
         ("quality", document::<QualityBody>(generator)),
         ("quality --square", document::<SquareQualityBody>(generator)),
         ("render", document::<RenderBody>(generator)),

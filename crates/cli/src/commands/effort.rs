@@ -21,7 +21,7 @@ use crate::transforms::TransformArgs;
     mut_arg("kmax", |kmax| kmax.help(spectra_kmax_help()))
 )]
 pub(crate) struct EffortArgs {
-    #[arg(short = 'm', long, value_name = "M", value_parser = parse_trials, help = trials_help())]
+    #[arg(short = 'm', long, value_name = "M", value_parser = parse_trials, help = trials_help("; with --until-rel, the initial number"))]
     pub(crate) realizations: Option<u64>,
     /// Double the trials until the relative standard error of each variance is at most this, such as
     /// 2% or 0.02
@@ -46,7 +46,7 @@ pub(crate) struct EffortArgs {
 }
 
 /// Parses a number of trials, which must suffice for the error of a variance.
-fn parse_trials(text: &str) -> Result<u64, String> {
+pub(super) fn parse_trials(text: &str) -> Result<u64, String> {
     let trials = parse_realizations(text)?;
     let min_trials = Precision::MIN_TRIALS;
     if trials < min_trials {
@@ -57,9 +57,10 @@ fn parse_trials(text: &str) -> Result<u64, String> {
     Ok(trials)
 }
 
-fn trials_help() -> String {
+/// Returns the help of the number of trials, with an addition.
+pub(super) fn trials_help(more: &str) -> String {
     format!(
-        "Trials per measured variance; with --until-rel, the initial number [default: {}; fewer for samplers \
+        "Trials per measured variance{more} [default: {}; fewer for samplers \
          whose sets are expensive, within a fixed amount of work, but at least {}]",
         Trials::DEFAULT,
         Trials::MIN_DEFAULT

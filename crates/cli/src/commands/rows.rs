@@ -167,7 +167,8 @@ pub(super) fn run(
     cases: &[DirectionCase],
 ) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     check(plan, cases)?;
-    let pulled_back = WarpedIntegrals::new(plan, cases)?;
+    let warped = cases.iter().filter_map(DirectionCase::warped).map(|case| &case.pattern);
+    let pulled_back = WarpedIntegrals::new(plan.integrals, plan.domain, plan.effort.quiet, warped)?;
     let mut warped = pulled_back.predictors(&plan.effort)?;
     let adapted = AdaptedDensities::new(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {

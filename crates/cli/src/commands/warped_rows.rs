@@ -1,14 +1,14 @@
 //! Rows of warped patterns, for `variance` and `compare`.
 
 use sphvar_integrands::{Heuristic, PulledBack, WarpExpression};
-use sphvar_samplers::Share;
+use sphvar_samplers::{Domain, Share};
 use sphvar_variance::{PredictionBudget, WarpedPattern, WarpedPredictor};
 
-use super::cases::{DirectionCase, WarpedCase};
+use super::cases::WarpedCase;
 use super::power_chart::largest_radius;
 use super::rows::{Effort, Plan, Row};
 use crate::error::CliError;
-use crate::integrands::{Integral, strategies_of};
+use crate::integrands::{Integral, Integrals, strategies_of};
 use crate::patterns::DirectionSampler;
 use crate::progress::Progress;
 
@@ -32,10 +32,15 @@ impl WarpedIntegral<'_> {
 }
 
 impl<'a> WarpedIntegrals<'a> {
-    /// Reads the files of the warps and pulls back the integrands.
-    pub(super) fn new(plan: &Plan<'a>, cases: &[DirectionCase]) -> Result<Self, CliError> {
+    /// Reads the files of the warps of patterns and pulls back the integrands on a domain.
+    pub(super) fn new<'p>(
+        integrals: &Integrals<'a>,
+        domain: Domain,
+        quiet: bool,
+        patterns: impl Iterator<Item = &'p WarpedPattern>,
+    ) -> Result<Self, CliError> {
         let mut distinct: Vec<&WarpedPattern> = Vec::new();
-        for WarpedCase { pattern, .. } in cases.iter().filter_map(DirectionCase::warped) {
+        for pattern in patterns {
             let same =
                 |p: &&WarpedPattern| (&p.warp, p.heuristic) == (&pattern.warp, pattern.heuristic);
             if !distinct.iter().any(same) {
@@ -43,28 +48,38 @@ impl<'a> WarpedIntegrals<'a> {
             }
         }
         if let Some(pattern) = distinct.first()
-            && plan.integrals.all().iter().any(Integral::is_irradiance)
+            && integrals.all().iter().any(Integral::is_irradiance)
         {
             return Err(CliError::Usage(format!(
                 "--project does not apply to {pattern}; name a coefficient as \"f * ylm:l=2,m=1\""
             )));
         }
         let warps: Vec<&WarpExpression> = distinct.iter().map(|pattern| &pattern.warp).collect();
-        let strategies = strategies_of(&warps, plan.domain, plan.effort.quiet)?;
+        let strategies = strategies_of(&warps, domain, quiet)?;
         let pulled_back = |(pattern, strategies): (&WarpedPattern, Vec<_>)| {
             let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
             let of_integral = |integral: &Integral<'a>| {
                 let function = &*integral.integrand.function;
                 let tolerance = PulledBack::TOLERANCE;
-                PulledBack::of_strategies(function, plan.domain, &strategies, heuristic, tolerance)
-                    .map(|functions| (function.exact(plan.domain), functions))
+                PulledBack::of_strategies(function, domain, &strategies, heuristic, tolerance)
+                    .map(|functions| (function.exact(domain), functions))
                     .map_err(|e| CliError::Failed(format!("{pattern}: {e}")))
             };
-            let integrals = plan.integrals.all().iter().map(of_integral);
+            let integrals = integrals.all().iter().map(of_integral);
             Ok(WarpedIntegral { warp, heuristic, integrals: integrals.collect::<Result<_, _>>()? })
         };
         let warps = distinct.into_iter().zip(strategies).map(pulled_back);
         Ok(Self { warps: warps.collect::<Result<_, CliError>>()? })
+    }
+
+    /// Returns integral `at` pulled back by the warp of a pattern with one strategy.
+    pub(super) fn only_strategy(
+        &self,
+        pattern: &WarpedPattern,
+        at: usize,
+    ) -> Option<&PulledBack<'a>> {
+        let warp = self.warps.iter().find(|warp| warp.is_of(pattern))?;
+        warp.integrals.get(at)?.1.first()
     }
 
     /// Returns the predictors of all integrals.

@@ -30,6 +30,7 @@ pub(crate) struct Integral<'a> {
 }
 
 /// How rows name an integral.
+#[derive(Clone)]
 pub(crate) struct IntegralName {
     /// The integrand as it was written.
     pub(crate) name: String,

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 20] = [
+const SUBCOMMANDS: [&str; 21] = [
     "compare",
     "choose",
     "sample",
     "spectrum",
     "merge",
     "variance",
+    "progressive",
     "integrate",
     "weights",
     "fit",

@@ -30,7 +30,7 @@ fn samplers_show_rates_and_every_parameter() {
         "N 12 nside^2 (12, 48, 108, ...); on the hemisphere 6 nside^2 (6, 24, 54, ...)",
         "cost N^2 per step",
         "sets always the same, up to rotation",
-        "sets independent uniform points; the first points of a set are a set",
+        "sets independent uniform points; a sequence, the first points of a set are a set",
     ] {
         assert!(words.contains(part), "no {part:?} in:\n{text}");
     }

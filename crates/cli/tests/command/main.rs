@@ -31,6 +31,7 @@ mod own_points;
 mod pairs;
 mod pipes;
 mod precision;
+mod progressive;
 mod qualities;
 mod records;
 mod render;

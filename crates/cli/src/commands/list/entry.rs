@@ -228,7 +228,8 @@ impl SamplerEntry {
             None => "P(l) as l -> 0",
             Some(_) => "P(k) as k -> 0",
         };
-        let extensible = if self.extensible { "; the first points of a set are a set" } else { "" };
+        let extensible =
+            if self.extensible { "; a sequence, the first points of a set are a set" } else { "" };
         let last = |last: &LastEmptyDegree| format!("{} for N = {}", last.l, last.n);
         let last: Vec<String> = self.last_empty_degrees.iter().map(last).collect();
         page.heading(&format!("{}: {}", self.name, self.summary));

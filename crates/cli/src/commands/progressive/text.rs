@@ -1,0 +1,118 @@
+//! The output of `progressive`: records, tables and the chart.
+
+use super::ProgressiveArgs;
+use super::chart::chart;
+use super::record::{PrefixRecord, ProgressiveBody, SequenceRecord};
+use super::sequence_errors::SequenceErrors;
+use super::study::IntegralErrors;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::plots::Chart;
+use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
+
+/// The errors on all integrals, and what is estimated.
+pub(super) struct Results {
+    integrals: Vec<IntegralErrors>,
+    subject: String,
+}
+
+impl Results {
+    pub(super) fn new(integrals: Vec<IntegralErrors>, subject: String) -> Self {
+        Self { integrals, subject }
+    }
+
+    /// Writes the results in the requested form.
+    pub(super) fn emit(self, args: &ProgressiveArgs, global: &Global) -> Result<(), CliError> {
+        let provenance = Provenance::new(global.seed);
+        let text = self.text();
+        let chart = self.chart();
+        let body = self.body();
+        let forms = Forms {
+            csv: &|| csv_of(&provenance, &body.rows),
+            chart: Some(&|| Ok(chart.clone())),
+            text: &|| text.clone(),
+        };
+        emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
+    }
+}
+
+impl Results {
+    fn body(self) -> ProgressiveBody {
+        let mut body =
+            ProgressiveBody { rows: Vec::new(), sequences: Vec::new(), reference: Vec::new() };
+        for IntegralErrors { name, sequences, reference } in self.integrals {
+            body.reference.extend(reference.records(&name.name));
+            for SequenceErrors { rows, summary, .. } in sequences {
+                body.rows.extend(rows);
+                body.sequences.push(summary);
+            }
+        }
+        body
+    }
+
+    /// Returns the chart of the main integral.
+    fn chart(&self) -> Chart {
+        let main = self.integrals.iter().find(|integral| integral.name.is_main);
+        let (sequences, reference) = main
+            .map_or((&[][..], None), |integral| (&*integral.sequences, Some(&integral.reference)));
+        chart(sequences, reference, &self.subject)
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for integral in &self.integrals {
+            let label = integral.name.label.as_ref();
+            let of_label = label.map_or(String::new(), |label| format!(", {label}"));
+            text += &format!("Standard errors of {}{of_label}\n\n", self.subject);
+            text += &tables(integral);
+        }
+        text + &self.explanation()
+    }
+
+    /// Returns what the columns mean.
+    fn explanation(&self) -> String {
+        let mut summaries = self.integrals.iter().flat_map(|i| &i.sequences).map(|s| &s.summary);
+        let first_n = summaries.clone().map(|s| s.first_n).min().unwrap_or(1);
+        let basis = match summaries.any(|s| s.basis == "measured") {
+            true => "predicted or, without a prediction, measured",
+            false => "predicted",
+        };
+        let mut text =
+            format!("rate: exponent b of the {basis} variance ~ N^b, from N = {first_n}.\n");
+        let name = self.integrals.iter().find_map(|integral| integral.reference.name());
+        if let Some(name) = name {
+            text += &format!(
+                "factor: standard error divided by that of {name} with N points; mean and worst over every prefix\n\
+                 from N = {first_n}.\n"
+            );
+        }
+        text
+    }
+}
+
+/// Returns the tables of one integral, its remarks, and the sequence with the least mean factor.
+fn tables(integral: &IntegralErrors) -> String {
+    let sequences = &integral.sequences;
+    let name = integral.reference.name();
+    let rows = sequences.iter().flat_map(|sequence| sequence.in_table(sequences.len()));
+    let mut text = table_of(&PrefixRecord::columns(name.is_some()), rows);
+    text.push('\n');
+    let summaries = || sequences.iter().map(|sequence| &sequence.summary);
+    text += &table_of(&SequenceRecord::columns(name.is_some()), summaries());
+    text.push('\n');
+    for SequenceRecord { label, remark, .. } in summaries() {
+        text.extend(remark.map(|remark| format!("{label}: {remark}.\n")));
+    }
+    let factors = summaries().filter_map(|s| Some((s, s.mean_factor?, s.worst_factor?)));
+    let best = factors.min_by(|a, b| a.1.total_cmp(&b.1));
+    if let (Some((best, mean, worst)), Some(name)) = (best, name) {
+        text += &format!(
+            "Least mean factor: {}, {} times the standard error of {name}; every prefix from N = {} has at most {} times.\n",
+            best.label,
+            number::ratio(mean),
+            best.first_n,
+            number::ratio(worst)
+        );
+    }
+    text
+}
