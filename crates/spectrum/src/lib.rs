@@ -53,6 +53,7 @@ mod orders;
 mod pair_correlation;
 pub mod quality;
 mod realization;
+mod rotations;
 mod spectral_bands;
 mod spectrum;
 mod square;
@@ -78,6 +79,9 @@ pub use pair_correlation::{
     PairCorrelation, PairCorrelationAccumulator,
 };
 pub use realization::Realization;
+pub use rotations::{
+    RotationQuality, matrix_fisher_coefficients, rotation_exact_degree, rotation_power,
+};
 pub use spectral_bands::SpectralBands;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
