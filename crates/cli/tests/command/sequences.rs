@@ -45,7 +45,12 @@ fn heads_of_sequences_do_not_depend_on_the_number_of_points() {
 #[test]
 fn randomizations_and_maps_are_parameters() {
     let place = Workplace::new();
-    let text = place.run("list samplers sobol hammersley r2 pmj02").ok().stdout;
+    // Lines are wrapped.
+    let listed = |arguments: &str| {
+        let text = place.run(&format!("list samplers {arguments}")).ok().stdout;
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let text = listed("sobol hammersley r2 pmj02");
     for part in [
         "randomization=owen",
         "randomization=shift",
@@ -55,7 +60,7 @@ fn randomizations_and_maps_are_parameters() {
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let text = place.run("list samplers halton --square").ok().stdout;
+    let text = listed("halton --square");
     assert!(text.contains("none, digital, owen"), "{text}");
     for (sampler, advice) in [
         ("sobol:randomization=owens", "owen"),
