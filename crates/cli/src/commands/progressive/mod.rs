@@ -26,7 +26,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar progressive sobol,white-noise -n 4096 --integrand env:data/city.exr -m 100 -o errors.svg
   sphvar progressive halton -n 100,200,1000 --integrand vmf:kappa=20 --reference healpix,spiral
   sphvar progressive sobol,halton -n 256 --integrand cap:degrees=60 --no-rotate --reference none
-  sphvar progressive sobol,r2,pmj02 --square -n 256 --integrand disk:radius=0.3 -m 100
+  sphvar progressive sobol,r2,pmj02 --square -n 64 --integrand disk:radius=0.3 -m 100
 
 A sequence is a pattern whose first N points, for every N, are a set of the pattern: more points can be added to those that \
 are there, as progressive rendering does. sphvar list shows which patterns are sequences. The command computes the error of integrating with the \

@@ -107,11 +107,11 @@ fn tables(integral: &IntegralErrors) -> String {
     let best = factors.min_by(|a, b| a.1.total_cmp(&b.1));
     if let (Some((best, mean, worst)), Some(name)) = (best, name) {
         text += &format!(
-            "Least mean factor: {}, {} times the standard error of {name}; every prefix from N = {} has at most {} times.\n",
+            "Least mean factor: {}, {} times the standard error of {name};\nat most {} times at every prefix from N = {}.\n",
             best.label,
             number::ratio(mean),
-            best.first_n,
-            number::ratio(worst)
+            number::ratio(worst),
+            best.first_n
         );
     }
     text
