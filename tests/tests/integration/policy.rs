@@ -110,6 +110,9 @@ best-candidate 3072: 7549747 220 4 - fast beyond the budget
 lloyd 12: 1920 32 2881 512 exact
 lloyd 192: 30720 52 245 245 exact
 lloyd 3072: 491520 220 15 - fast
+dpp 12: 109 32 8287 0 exact
+dpp 192: 445907 52 17 - exact
+dpp 3072: 1826434843 220 4 - fast
 riesz 12: 936 32 4463 8 exact
 riesz 192: 239616 52 33 - exact
 riesz 3072: 61341696 220 4 - fast beyond the budget

@@ -57,7 +57,7 @@ White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of
 realizations, each with an independent uniform random rotation. It is 0 for deterministic patterns, whose spectrum is \
 exact, and absent (- or null) for a single set from a file. N of weighted points is (sum w)^2 / sum w^2. \
 --exact evaluates the mean spectrum in closed form, which is available for white noise, for one point in each of N \
-equal-area cells (jittered, equal-area; jittered-square), for latin-hypercube and for deterministic patterns.
+equal-area cells (jittered, equal-area; jittered-square), for dpp and latin-hypercube, and for deterministic patterns.
 
 --pairs counts pairs of points by their angle: g is the density of pairs relative to that of independent points \
 (1 - 1/N for these), K the area times the share of pairs within a radius, and L the radius of the cap of area K. \

@@ -113,7 +113,10 @@ impl IntegrationSpace for Domain {
         sampler: Self::SamplerRef<'s>,
         lmax: &usize,
     ) -> Option<ExactSpectrum<'s>> {
-        let is_chosen = if sampler.is_random() {
+        let is_chosen = if let SetDistribution::SphericalEnsemble = sampler.distribution() {
+            // A product of l factors is free at any N, and realizations are expensive.
+            options.realizations.is_none()
+        } else if sampler.is_random() {
             options.realizations.is_none() && PredictionBudget::is_exact(sampler.n_points(), *lmax)
         } else {
             options.is_default_transform()

@@ -54,7 +54,8 @@ impl Pencil {
     /// Returns the number of entries of a pencil of `size` rows.
     pub(super) fn n_entries(size: usize) -> usize {
         // N(N + 3)/2, where one of the factors is even.
-        let (even, odd) = if size % 2 == 0 { (size, size + 3) } else { (size + 3, size) };
+        let next = size.saturating_add(3);
+        let (even, odd) = if size.is_multiple_of(2) { (size, next) } else { (next, size) };
         (even / 2).saturating_mul(odd)
     }
 
