@@ -20,10 +20,16 @@ const KNOWN: [(usize, &[usize], usize); 11] = [
 ];
 
 /// The designs that have fewer degrees of freedom than equations, by their symmetry: degree,
-/// whether the points stand for pairs, and their number: the tetrahedron, the octahedron
-/// and the icosahedron.
-const SYMMETRIC: [(usize, bool, usize); 5] =
-    [(2, false, 4), (3, false, 6), (5, false, 12), (2, true, 3), (4, true, 6)];
+/// whether the points stand for pairs, and their number. The tetrahedron, the octahedron, the
+/// icosahedron, and in pairs the octahedron, the cube and the icosahedron.
+const SYMMETRIC: [(usize, bool, usize); 6] = [
+    (2, false, 4),
+    (3, false, 6),
+    (5, false, 12),
+    (2, true, 3),
+    (2, true, 4),
+    (4, true, 6),
+];
 
 /// Up to this degree any number of points with enough degrees of freedom has its largest degree:
 /// the search takes milliseconds.
@@ -37,15 +43,16 @@ const MAX_SHARE: f64 = 0.9;
 /// it has one or two degrees of freedom more than there are equations, apart from rotations, except
 /// for the most symmetric sets.
 pub(crate) fn default_count(equations: DesignEquations) -> usize {
-    let own = |set: &&(usize, bool, usize)| {
-        set.1 == equations.is_symmetric && set.0 == top_degree(equations)
-    };
-    SYMMETRIC.iter().find(own).map_or_else(|| generic_count(equations), |set| set.2)
+    symmetric_counts(equations).next().unwrap_or_else(|| generic_count(equations))
 }
 
-/// Returns the last degree that has equations, at least 1.
-fn top_degree(equations: DesignEquations) -> usize {
-    equations.degrees().last().unwrap_or(1)
+/// Returns the numbers of points of the most symmetric sets.
+fn symmetric_counts(equations: DesignEquations) -> impl Iterator<Item = usize> {
+    let top = equations.degrees().last();
+    let is_own = move |set: &&(usize, bool, usize)| {
+        set.1 == equations.is_symmetric && Some(set.0) == top
+    };
+    SYMMETRIC.iter().filter(is_own).map(|set| set.2)
 }
 
 /// Returns the smallest number of points with at least one degree of freedom, apart from
@@ -65,7 +72,7 @@ pub(crate) fn is_feasible(equations: DesignEquations, n_points: usize) -> bool {
     let is_known = |set: &(usize, &[usize], usize)| {
         set.0 != equations.degree || set.1.contains(&n_points) || n_points >= set.2
     };
-    n_points == default_count(equations)
+    symmetric_counts(equations).any(|n| n == n_points)
         || n_points >= generic_count(equations)
             && (equations.is_symmetric || KNOWN.iter().all(is_known))
 }
@@ -74,8 +81,8 @@ pub(crate) fn is_feasible(equations: DesignEquations, n_points: usize) -> bool {
 pub(crate) fn known_counts(equations: DesignEquations, factor: usize) -> String {
     let feasible = |n: &usize| is_feasible(equations, *n);
     let first = default_count(equations);
-    let last_gap = (first..).zip(first + 1..).take(64).filter(|(_, n)| !feasible(n)).last();
-    let from = last_gap.map_or(first, |(_, n)| n + 1);
+    // Gaps are found at small numbers only, the last at 85.
+    let from = (first..first + 64).rev().find(|n| !feasible(n)).map_or(first, |gap| gap + 1);
     let single: Vec<String> =
         (first..from).filter(feasible).map(|n| (factor * n).to_string()).collect();
     let from = factor * from;
