@@ -61,11 +61,11 @@ impl RotationQuality {
         progress: &dyn Progress,
     ) -> Result<f64, Stopped> {
         // Coefficients decrease as exp(-l^2/(2 kappa)) and faster.
-        let most = 20 + (10.0 * kappa.max(0.0).sqrt()).ceil() as usize;
+        let lmax = 20 + (10.0 * kappa.max(0.0).sqrt()).ceil() as usize;
         let energies: Vec<f64> =
-            matrix_fisher_coefficients(kappa, most).iter().map(|a| a * a).collect();
-        let least = NEGLIGIBLE * energies[0];
-        let lmax = energies.iter().rposition(|e| *e > least).unwrap_or(0);
+            matrix_fisher_coefficients(kappa, lmax).iter().map(|a| a * a).collect();
+        let negligible = NEGLIGIBLE * energies[0];
+        let lmax = energies.iter().rposition(|e| *e > negligible).unwrap_or(0);
         let power = rotation_power(set, lmax, progress)?;
         let sum: f64 = power.iter().zip(&energies).skip(1).map(|(p, e)| p * e).sum();
         Ok((sum / (set.n_effective() * energies[0])).sqrt())
