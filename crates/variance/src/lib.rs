@@ -44,6 +44,7 @@ mod integration;
 mod joint_trials;
 mod known_moments;
 mod measurement;
+mod over_rotations;
 mod predicted_curve;
 mod predicted_point;
 mod prediction;
@@ -76,6 +77,7 @@ pub use integration::{
 };
 pub use joint_trials::JointTrials;
 pub use measurement::{BiasTest, Measurement};
+pub use over_rotations::OverRotations;
 pub use predicted_curve::{PredictedCurve, interpolate_variance};
 pub use predicted_point::{PredictedPoint, PredictedVariance};
 pub use prediction::{Prediction, PredictionAccumulator, predict};

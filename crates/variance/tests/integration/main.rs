@@ -10,6 +10,7 @@ mod integrals;
 mod joint_trials;
 mod measured_intervals;
 mod other_bands;
+mod over_rotations;
 mod predictions;
 mod progressive;
 mod square;
