@@ -4,7 +4,8 @@ use clap::{Parser, Subcommand};
 
 use crate::commands::{
     accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, lights,
-    list, merge, progressive, quality, render, reproduce, sample, spectrum, variance, weights,
+    list, merge, progressive, quality, render, reproduce, rotations, sample, spectrum, variance,
+    weights,
 };
 use crate::global::Global;
 
@@ -43,6 +44,9 @@ pub(crate) enum Command {
     /// Generate realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG
     #[command(after_help = sample::EXAMPLES)]
     Sample(sample::SampleArgs),
+    /// Generate rotations, as quaternions, matrices or Euler angles, or measure sets of them
+    #[command(after_help = rotations::EXAMPLES)]
+    Rotations(rotations::RotationsArgs),
     /// Compute the angular power spectrum of a pattern, or of points in files
     #[command(after_help = spectrum::EXAMPLES)]
     Spectrum(spectrum::SpectrumArgs),

@@ -104,6 +104,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Compare(args) => commands::compare::run(&args, &cli.global),
         Command::Choose(args) => commands::choose::run(&args, &cli.global),
         Command::Sample(args) => commands::sample::run(&args, &cli.global),
+        Command::Rotations(args) => commands::rotations::run(&args, &cli.global),
         Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
         Command::Merge(args) => commands::merge::run(&args, &cli.global),
         Command::Variance(args) => commands::variance::run(&args, &cli.global),

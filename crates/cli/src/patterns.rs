@@ -8,7 +8,10 @@ mod sampler_name;
 use std::path::Path;
 
 use sphvar_grammar::quote;
-use sphvar_samplers::{Domain, Error, Pattern, SamplerFamily, Space, Square, SquarePattern};
+use sphvar_samplers::{
+    Domain, Error, Pattern, RotationGroup, RotationPattern, SamplerFamily, Space, Square,
+    SquarePattern,
+};
 use sphvar_variance::WarpedPattern;
 
 use crate::error::CliError;
@@ -121,6 +124,9 @@ impl PatternKind for Pattern {
     }
 
     fn other_kind(name: &str) -> Option<String> {
+        if RotationPattern::is_name(name) {
+            return Some(format!("{name} is a pattern of rotations, for the command rotations"));
+        }
         SquarePattern::is_name(name).then(|| {
             format!(
                 "{name} is a pattern of the unit square, for the option --square of sample, spectrum, quality, \
@@ -175,6 +181,45 @@ impl PatternKind for SquarePattern {
             let known: Vec<&str> = Self::ALL.iter().map(Self::name).collect();
             let known = known.join(", ");
             format!("{name} is a pattern of the sphere; with --square the patterns are {known}")
+        })
+    }
+}
+
+impl PatternKind for RotationPattern {
+    type Space = RotationGroup;
+
+    const WARPS_REJECTED: &str = "warp= is for patterns of the unit square";
+
+    fn all() -> Vec<Self> {
+        Self::ALL.to_vec()
+    }
+
+    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+        Self::parse(text, files)
+    }
+
+    fn label(&self) -> String {
+        self.to_string()
+    }
+
+    fn use_long_label(&mut self) {}
+
+    fn own_count(&self) -> Option<usize> {
+        None
+    }
+
+    fn is_file(&self) -> bool {
+        false
+    }
+
+    fn is_name(name: &str) -> bool {
+        Self::known().any(|pattern| pattern.name() == name)
+    }
+
+    fn other_kind(name: &str) -> Option<String> {
+        (Pattern::is_name(name) || SquarePattern::is_name(name)).then(|| {
+            let known: Vec<&str> = Self::ALL.iter().map(Self::name).collect();
+            format!("{name} is no pattern of rotations; those are {}", known.join(", "))
         })
     }
 }

@@ -19,6 +19,7 @@ use crate::commands::healpix::HealpixBody;
 use crate::commands::integrate::IntegrateBody;
 use crate::commands::lights::LightsBody;
 use crate::commands::list::ListBody;
+use crate::commands::over_rotations::OverRotationsBody;
 use crate::commands::progressive::record::ProgressiveBody;
 use crate::commands::quality::QualityBody;
 use crate::commands::quality::square_record::SquareQualityBody;
@@ -26,6 +27,8 @@ use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
 use crate::commands::reproduce::ReproductionBody;
+use crate::commands::rotations::measures::MeasuresBody;
+use crate::commands::rotations::sets::RotationSetsBody;
 use crate::commands::sample::realized_sets::SampleBody;
 use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::spectrum::square_report::SquareSpectrumBody;
@@ -70,11 +73,14 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("render --sheet", document::<SheetBody>(generator)),
         ("render --study", document::<StudyBody>(generator)),
         ("reproduce", document::<ReproductionBody>(generator)),
+        ("rotations", document::<MeasuresBody>(generator)),
+        ("rotations -o", document::<RotationSetsBody>(generator)),
         ("sample", document::<SampleBody<[f64; 3]>>(generator)),
         ("spectrum", document::<SpectrumBody>(generator)),
         ("spectrum --square", document::<SquareSpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),
         ("variance --no-rotate", document::<FixedOrientationBody>(generator)),
+        ("variance --rotations", document::<OverRotationsBody>(generator)),
         ("weights", document::<WeightsBody>(generator)),
     ]
 }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::{SquareTerm, Term};
-use sphvar_samplers::{Pattern, SquarePattern};
+use sphvar_samplers::{Pattern, RotationPattern, SquarePattern};
 
 use self::entry::{FormatEntry, FunctionEntry, SamplerEntry};
 use self::page::Page;
@@ -47,6 +47,8 @@ pub(crate) enum Kind {
     Samplers,
     /// Functions of direction
     Integrands,
+    /// Patterns of rotations
+    Rotations,
     /// Densities of importance sampling
     Warps,
     /// File formats
@@ -68,6 +70,9 @@ pub(crate) struct ListBody {
     /// Functions on the unit square.
     #[serde(skip_serializing_if = "Option::is_none")]
     square_integrands: Option<Vec<FunctionEntry>>,
+    /// Patterns of rotations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rotations: Option<Vec<SamplerEntry>>,
     /// Maps from the unit square to directions, by which patterns of the square sample densities.
     #[serde(skip_serializing_if = "Option::is_none")]
     warps: Option<Vec<FunctionEntry>>,
@@ -115,6 +120,10 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .then(FunctionEntry::square_integrands)
         .map(|all| chosen(all, "integrand", &args.names, |entry| entry.name))
         .transpose()?;
+    let rotations = is_listed(Kind::Rotations)
+        .then(|| RotationPattern::ALL.iter().map(SamplerEntry::of_rotations).collect())
+        .map(|all| chosen(all, "pattern of rotations", &args.names, |entry| entry.name))
+        .transpose()?;
     let warps = is_listed(Kind::Warps)
         .then(FunctionEntry::warps)
         .map(|all| chosen(all, "warp", &args.names, |entry| entry.name))
@@ -124,8 +133,15 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .map(|all| chosen(all, "format", &args.names, |entry: &FormatEntry| entry.0.name))
         .transpose()?;
     if global.json {
-        let body =
-            ListBody { samplers, integrands, square_samplers, square_integrands, warps, formats };
+        let body = ListBody {
+            samplers,
+            integrands,
+            square_samplers,
+            square_integrands,
+            rotations,
+            warps,
+            formats,
+        };
         return Document::new(&body, &Provenance::new(global.seed)).print();
     }
     let mut page = Page::default();
@@ -151,19 +167,24 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
             &mut integrands.flatten().map(of_functions),
         );
         section(
+            "Patterns of rotations, for the command rotations",
+            &mut rotations.iter().flatten().map(of_samplers),
+        );
+        section(
             "Warps, densities for samplers of the unit square: sobol:warp=NAME",
             &mut warps.iter().flatten().map(of_functions),
         );
         page.heading("File formats");
         formats.iter().flatten().for_each(|entry| page.line(entry.0.name, &entry.line()));
         page.paragraph(
-            "sphvar list samplers|integrands|warps|formats [NAME...] [--square] shows the details.",
+            "sphvar list samplers|integrands|rotations|warps|formats [NAME...] [--square] shows the details.",
         );
     } else {
         samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
         integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
         square_samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
         square_integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
+        rotations.iter().flatten().for_each(|entry| entry.show(&mut page));
         warps.iter().flatten().for_each(|entry| entry.show(&mut page));
         formats.iter().flatten().for_each(|entry| entry.show(&mut page));
     }

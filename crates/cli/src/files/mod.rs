@@ -21,6 +21,7 @@ mod piece_store;
 mod point_templates;
 mod points;
 mod regular;
+mod rotations;
 mod shard;
 mod spectra;
 mod target;
@@ -48,6 +49,7 @@ pub(crate) use points::{
     ColumnChoice, FilePoint, OptionSpelling, ReadOptions, read_points, write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
+pub(crate) use rotations::{RotationFormat, write_rotations};
 pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};

@@ -63,6 +63,7 @@ fn a_flag_has_one_meaning() {
             "out" => &[
                 "Write the results to a file",
                 "Write the points to a file",
+                "Write the rotations to a file",
                 "Write the picture to a file",
                 "Folder for tables and plots",
                 "Folder for the results",

@@ -71,7 +71,7 @@ pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
 }
 
 /// Returns the extension of a file in lower case.
-fn lower_extension(path: &Path) -> Option<String> {
+pub(crate) fn lower_extension(path: &Path) -> Option<String> {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
 }
 

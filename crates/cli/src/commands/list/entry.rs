@@ -5,8 +5,8 @@ use serde::Serialize;
 use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
 use sphvar_integrands::{SquareTerm, Term, WarpTerm};
 use sphvar_samplers::{
-    CostOrder, Domain, Pattern, PatternFacts, Rate, SetDistribution, SquareDistribution,
-    SquarePattern,
+    CostOrder, Domain, Pattern, PatternFacts, Rate, RotationPattern, SetDistribution,
+    SquareDistribution, SquarePattern,
 };
 
 use super::page::{Page, UNBREAKABLE};
@@ -57,6 +57,9 @@ struct Counts {
     /// On the unit square.
     #[serde(skip_serializing_if = "Option::is_none")]
     square: Option<String>,
+    /// Of rotations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rotations: Option<String>,
 }
 
 /// The order of the time for a set: N^exponent (log N)^logarithm, times a factor.
@@ -153,6 +156,7 @@ impl SamplerEntry {
             sphere: counts(Domain::Sphere),
             hemisphere: counts(Domain::Hemisphere),
             square: None,
+            rotations: None,
         };
         Self {
             deterministic: pattern.is_deterministic(),
@@ -172,6 +176,7 @@ impl SamplerEntry {
             sphere: None,
             hemisphere: None,
             square: Some(pattern.valid_counts().to_string()),
+            rotations: None,
         };
         let (distribution, deterministic) = square_distribution(pattern);
         let facts = pattern.facts();
@@ -182,6 +187,29 @@ impl SamplerEntry {
                 (pattern.name(), pattern.summary()),
                 pattern.parameters(),
                 &facts,
+                counts,
+                distribution,
+            )
+        }
+    }
+
+    pub(super) fn of_rotations(pattern: &RotationPattern) -> Self {
+        let counts = Counts {
+            sphere: None,
+            hemisphere: None,
+            square: None,
+            rotations: Some(pattern.valid_counts().to_string()),
+        };
+        let sampler = pattern.build(pattern.nearest_count(1));
+        let deterministic = sampler.is_ok_and(|sampler| !sampler.is_random());
+        let distribution =
+            if deterministic { "always the same" } else { "independent uniform rotations" };
+        Self {
+            deterministic,
+            ..Self::with(
+                (pattern.name(), pattern.summary()),
+                pattern.parameters(),
+                &pattern.facts(),
                 counts,
                 distribution,
             )
@@ -222,7 +250,9 @@ impl SamplerEntry {
             {
                 format!("{sphere}; on the hemisphere {hemisphere}")
             }
-            Counts { sphere, square, .. } => sphere.iter().chain(square).cloned().collect(),
+            Counts { sphere, square, rotations, .. } => {
+                sphere.iter().chain(square).chain(rotations).cloned().collect()
+            }
         };
         let power = match self.counts.square {
             None => "P(l) as l -> 0",
