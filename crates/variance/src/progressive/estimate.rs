@@ -19,6 +19,8 @@ use crate::{Error, Prediction, PredictionBudget, PredictorOn};
 const CURVE_WORK: f64 = 8.0;
 /// The initial number of realizations, if the budget allows it.
 const FIRST: u64 = 8;
+/// The maximum number of realizations whose variances are in memory at a time.
+const BATCH: u64 = 256;
 /// The maximum number of realizations whose spectra decide about the errors of tails.
 const MAX_TRANSFORMED: usize = 8;
 
@@ -123,19 +125,22 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
             next = max;
         }
         loop {
-            let found = self.of_realizations(predictor, count..next, progress)?;
-            for (set, variances) in found {
-                for (moments, values) in moments.iter_mut().zip(variances) {
-                    moments.iter_mut().zip(values).for_each(|(moments, x)| moments.push(x));
+            while count < next {
+                let end = next.min(count + BATCH);
+                for (set, variances) in self.of_realizations(predictor, count..end, progress)? {
+                    for (moments, values) in moments.iter_mut().zip(variances) {
+                        moments.iter_mut().zip(values).for_each(|(moments, x)| moments.push(x));
+                    }
+                    transformed.extend(set);
                 }
-                transformed.extend(set);
+                count = end;
             }
-            count = next;
             let relative = predictor.budget().relative;
             let is_precise = |[variance, _]: &[Moments; 2]| {
                 let mean = variance.mean();
                 // A variance that is unknown or mere rounding has no precision.
-                !(mean > predictor.rounding()) || variance.standard_error() <= relative * mean
+                let has_none = mean.is_nan() || mean <= predictor.rounding();
+                has_none || variance.standard_error() <= relative * mean
             };
             if count >= max || moments.iter().all(is_precise) {
                 break;

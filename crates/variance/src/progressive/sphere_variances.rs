@@ -96,7 +96,8 @@ impl PrefixVariances<DVec3> for SphereVariances {
     fn work(&self, n_points: usize) -> f64 {
         let n = n_points as f64;
         let low = self.low.as_ref().map_or(0.0, LowDegrees::work_of_point);
-        n * (low + 0.5 * PAIR_WORK * n)
+        let pairs = if self.high.is_some() { 0.5 * PAIR_WORK * n } else { 0.0 };
+        n * (low + pairs)
     }
 
     fn of_set(
@@ -112,7 +113,7 @@ impl PrefixVariances<DVec3> for SphereVariances {
         let columns = Columns::new(&set);
         let last = counts.last().copied().unwrap_or(0);
         let row = |i: usize| {
-            progress.tick(PAIR_WORK * i as f64)?;
+            progress.tick(if kernel.is_some() { PAIR_WORK * i as f64 } else { 0.0 })?;
             Ok(kernel.map_or_else(Row::default, |kernel| kernel.row(&columns, i)))
         };
         let rows = (0..last).into_par_iter().map(row).collect::<Result<Vec<_>, Error>>()?;
