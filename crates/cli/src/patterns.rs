@@ -212,6 +212,10 @@ impl PatternKind for RotationPattern {
         false
     }
 
+    fn sequence_group(&self) -> Option<usize> {
+        self.sequence_group()
+    }
+
     fn is_name(name: &str) -> bool {
         Self::known().any(|pattern| pattern.name() == name)
     }
