@@ -27,7 +27,8 @@ impl Definition for Pmj02Parameters {
         PatternFacts {
             cost: CostOrder::LINEARITHMIC,
             low_degrees: "irregular",
-            smooth_rate: Rate::power(-2.7),
+            // For N = 2^m, with map=healpix 12 4^k; about N^-1.8 for other N.
+            smooth_rate: Rate::power(-2.6),
             jump_rate: Rate::power(-1.5),
             is_extensible: true,
             source: "Christensen, Kensler and Kilpatrick 2018",

@@ -44,13 +44,23 @@ impl Parametric for R2Parameters {
 
 impl Definition for R2Parameters {
     fn facts(&self) -> PatternFacts {
+        let [smooth_rate, jump_rate] = match (self.randomization, self.map) {
+            (R2Randomization::None, _) => [Rate::Depends; 2],
+            (_, SphereMap::Cylinder) => [-1.9, -1.5].map(Rate::power),
+            (_, SphereMap::Octahedral) => [-1.7, -1.5].map(Rate::power),
+            // Independent shifts on the faces.
+            (_, SphereMap::Healpix) => [-1.5, -1.5].map(Rate::power),
+        };
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
-            smooth_rate: Rate::power(-2.0),
-            jump_rate: Rate::power(-1.5),
+            smooth_rate,
+            jump_rate,
             is_extensible: true,
-            source: "Roberts 2018; Cranley and Patterson 1976",
+            source: match self.randomization {
+                R2Randomization::None => "Roberts 2018",
+                R2Randomization::Shift => "Roberts 2018; Cranley and Patterson 1976",
+            },
         }
     }
 
