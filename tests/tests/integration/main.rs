@@ -12,6 +12,7 @@ mod pictures;
 mod policy;
 mod random_fields;
 mod samplers;
+mod sequences;
 mod spectra;
 mod spectral_control;
 mod square;

@@ -107,6 +107,9 @@ spiral 3072: 3072 2200 4 - fast
 best-candidate 12: 115 32 8232 256 exact
 best-candidate 192: 29491 52 254 254 exact
 best-candidate 3072: 7549747 220 4 - fast beyond the budget
+leja 12: 36 320 154 0 exact
+leja 192: 9216 520 55 0 exact
+leja 3072: 2359296 2200 4 - fast
 lloyd 12: 1920 32 2881 512 exact
 lloyd 192: 30720 52 245 245 exact
 lloyd 3072: 491520 220 15 - fast

@@ -40,6 +40,7 @@ fn is_expensive(pattern: &Pattern) -> bool {
             | Pattern::Blue { .. }
             | Pattern::Profile { .. }
             | Pattern::BestCandidate { .. }
+            | Pattern::Leja { .. }
             | Pattern::Lloyd { .. }
             | Pattern::Riesz { .. }
             | Pattern::Dpp

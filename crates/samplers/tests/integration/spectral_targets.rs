@@ -60,7 +60,9 @@ fn single_peaks_have_the_grammar_of_profiles() {
     }
     let square: SquarePattern = "profile-square:edge=0.7".parse().unwrap();
     assert_eq!(square.to_string().parse(), Ok(square.clone()));
-    assert!(square.build(100).is_ok());
+    // A set that misses its target is an error.
+    let mut rng = Streams::new(4, Purpose::Pattern, 0).realization(0);
+    assert!(square.build(150).unwrap().sample(&mut rng).is_ok());
     for (text, message) in [
         ("profile:edge=0", "edge must be finite and above 0, got 0"),
         ("profile:edge=1,b=2", "unknown parameter \"b\""),
