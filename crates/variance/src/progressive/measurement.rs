@@ -204,9 +204,9 @@ pub(super) fn check_length(n_points: usize, last: usize) -> Result<(), Error> {
 fn prefix_means<P>(set: &PointSet<P>, values: &[f64], counts: &[usize], means: &mut [f64]) {
     let (mut sum, mut weights, mut next) = (0.0, 0.0, 0);
     for (mean, &count) in means.iter_mut().zip(counts) {
-        for k in next..count.min(values.len()) {
+        for (k, value) in (next..).zip(&values[next..count]) {
             let weight = set.weights.get(k).copied().unwrap_or(1.0);
-            sum += weight * values[k];
+            sum += weight * value;
             weights += weight;
         }
         next = count;

@@ -124,11 +124,11 @@ impl PrefixVariances<DVec3> for SphereVariances {
         progress.tick(last as f64 * self.low.as_ref().map_or(0.0, LowDegrees::work_of_point))?;
         let (mut sums, mut next) = (Sums::default(), 0);
         let of_count = |(&count, low): (&usize, f64)| {
-            for k in next..count {
+            for (k, row) in (next..).zip(&rows[next..count]) {
                 let weight = set.weights.get(k).copied().unwrap_or(1.0);
-                sums.row.kernel += rows[k].kernel;
-                sums.row.coincidences.even += rows[k].coincidences.even;
-                sums.row.coincidences.odd += rows[k].coincidences.odd;
+                sums.row.kernel += row.kernel;
+                sums.row.coincidences.even += row.coincidences.even;
+                sums.row.coincidences.odd += row.coincidences.odd;
                 sums.weights += weight;
                 sums.magnitudes += weight.abs();
             }
