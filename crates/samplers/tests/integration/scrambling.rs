@@ -76,12 +76,13 @@ impl Tree {
     }
 }
 
-/// The patterns under nested scrambling, with the bases of their coordinates.
-fn owen(n: usize) -> [(Box<dyn SquareSampler>, Box<dyn SquareSampler>, [u32; 2]); 3] {
-    fn pair<P: ScrambledPattern>(n: usize) -> [Box<dyn SquareSampler>; 2] {
-        [Scrambling::None, Scrambling::Owen].map(|scrambling| {
-            Box::new(P::scrambled(n, scrambling).unwrap()) as Box<dyn SquareSampler>
-        })
+type Boxed = Box<dyn SquareSampler>;
+
+/// The patterns without and with nested scrambling, with the bases of their coordinates.
+fn owen(n: usize) -> [(Boxed, Boxed, [u32; 2]); 3] {
+    fn pair<P: ScrambledPattern>(n: usize) -> [Boxed; 2] {
+        [Scrambling::None, Scrambling::Owen]
+            .map(|scrambling| Box::new(P::scrambled(n, scrambling).unwrap()) as Boxed)
     }
     [
         (pair::<SobolSequence>(n), [2, 2]),
@@ -172,7 +173,7 @@ fn binary_flips_come_from_the_first_point_with_the_same_digits() {
         [owen(N).map(|(plain, scrambled, _)| (plain, scrambled)).into_iter().next().unwrap(), {
             let hammersley = |scrambling| Hammersley::scrambled(N, scrambling).unwrap();
             let [plain, scrambled] = [Scrambling::None, Scrambling::Owen].map(hammersley);
-            (Box::new(plain) as Box<dyn SquareSampler>, Box::new(scrambled) as _)
+            (Box::new(plain) as Boxed, Box::new(scrambled) as Boxed)
         }]
     {
         let before = plain.sample(&mut rng(7)).unwrap().points;
