@@ -128,6 +128,12 @@ halton 3072: 3072 220 259 - fast
 hammersley 12: 12 32 9211 16 exact
 hammersley 192: 192 52 3830 8 exact
 hammersley 3072: 3072 220 259 - fast
+r2 12: 12 32 9211 256 exact
+r2 192: 192 52 3830 64 exact
+r2 3072: 3072 220 259 - fast
+pmj02 12: 16 32 9165 256 exact
+pmj02 192: 338 52 3580 32 exact
+pmj02 3072: 6631 220 232 - fast
 gauss-legendre 8: 8 320 154 0 exact
 gauss-legendre 200: 200 560 50 0 exact
 gauss-legendre 3042: 3042 2200 4 - fast
