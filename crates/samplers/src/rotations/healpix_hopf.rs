@@ -174,7 +174,7 @@ impl Definition<RotationGroup> for HealpixHopfParameters {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
-            smooth_rate: Rate::Depends,
+            smooth_rate: Rate::power(-1.33),
             jump_rate: Rate::Depends,
             is_extensible: self.order == HopfOrder::Layered,
             source: "Yershova, Jain, LaValle and Mitchell 2010",

@@ -114,8 +114,9 @@ impl Definition<RotationGroup> for SukharevRotationsParameters {
         let is_biased = self.weights == CellWeights::Equal;
         PatternFacts {
             cost: CostOrder::LINEAR,
-            low_degrees: if is_biased { "grows as N from degree 4" } else { "irregular" },
-            smooth_rate: if is_biased { Rate::Biased } else { Rate::Depends },
+            low_degrees: if is_biased { "grows as N from degree 2" } else { "irregular" },
+            // At the ends of layers; larger between them.
+            smooth_rate: if is_biased { Rate::Biased } else { Rate::power(-1.33) },
             jump_rate: if is_biased { Rate::Biased } else { Rate::Depends },
             is_extensible: true,
             source: "Yershova and LaValle 2004",

@@ -92,7 +92,7 @@ impl Definition<RotationGroup> for Parameters {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
-            smooth_rate: Rate::Depends,
+            smooth_rate: Rate::power(-2.0),
             jump_rate: Rate::Depends,
             is_extensible: false,
             source: "Alexa 2022",
