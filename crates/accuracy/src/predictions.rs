@@ -3,16 +3,19 @@
 mod energies;
 mod hard;
 mod lobe_pairs;
+mod prefixes;
 mod subjects;
 
+use glam::DVec3;
 use sphvar_integrands::{Cap, VonMisesFisher};
-use sphvar_samplers::Pattern;
+use sphvar_samplers::{Domain, Pattern, Purpose, Streams};
 use sphvar_sht::{Method, Transform};
 use sphvar_spectrum::Resolution;
 
 pub(crate) use hard::hard_cases;
 
 use crate::{Area, Effort, Subject, Trial};
+use prefixes::OfPrefixes;
 use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
 
 /// Returns the trials of this area.
@@ -25,6 +28,8 @@ use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
 /// - The variance of a harmonic or a lobe is a mean of squares of coefficients. If these have
 ///   errors relative to those of white noise, the error of the variance is twice that fraction of
 ///   the geometric mean of the variance and white noise's variance; see [`of_amplitudes`].
+/// - The variances of all prefixes of a set are sums of squares of low coefficients, and sums over
+///   pairs where an integrand has higher degrees; see [`OF_PREFIXES`].
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (lmax, n) = match effort {
         Effort::Quick => (1000, 192),
@@ -85,7 +90,23 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
             });
         }
     }
+    for kappa in [1.0, 10.0, 100.0] {
+        let subject = Box::new(OfPrefixes::new(lattice(n), kappa, vec![1, 2, 10, n / 2, n]));
+        let case = format!("all prefixes of {n} fibonacci, lobe of kappa = {kappa}");
+        trials.push(Trial {
+            count: n as f64,
+            relative_to: OF_BOTH,
+            ..trial("prefixes", case, OF_PREFIXES, "closed form for all pairs", subject)
+        });
+    }
     trials
+}
+
+/// Returns points of a lattice.
+fn lattice(n: usize) -> Vec<DVec3> {
+    let sampler = Pattern::FIBONACCI.build(n, Domain::Sphere).expect("every count is valid");
+    let mut rng = Streams::new(0, Purpose::Pattern, n).realization(0);
+    sampler.sample(&mut rng).expect("a lattice is feasible").points
 }
 
 /// Returns twice the error of low coefficients: 24 EPSILON for the exact transform, where the
@@ -96,6 +117,10 @@ fn of_amplitudes(n: usize, lmax: usize) -> f64 {
     let amplitude = if transform.is_ok_and(|t| t.is_fast()) { 64.0 } else { 24.0 };
     2.0 * amplitude * f64::EPSILON
 }
+
+/// Coefficients have a few roundings for each of up to 64 degrees of the recurrence, of which the
+/// variance has twice the error.
+const OF_PREFIXES: f64 = 512.0 * f64::EPSILON;
 
 const OF_BOTH: &str = "the geometric mean of the variance and that of white noise";
 const RECURRENCE: &str = "recurrences and series in twice the precision";

@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use crate::reference::DoubleDouble;
+use glam::DVec3;
 use sphvar_integrands::{Cap, Energy, Integrand, VonMisesFisher};
 use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
@@ -8,8 +9,9 @@ use sphvar_spectrum::Spectrum;
 use sphvar_variance::predict;
 
 use super::energies;
+use super::prefixes::OfPrefixes;
 use super::subjects::errors_of;
-use crate::{Errors, HardCase};
+use crate::{Errors, HardCase, Subject};
 
 /// Returns the hard cases of this area.
 pub(crate) fn hard_cases() -> Vec<HardCase> {
@@ -37,6 +39,15 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
             bound: 4.0 * f64::EPSILON,
             reason: "the square of a product of l ratios, each accurate to one or two roundings",
             measure: narrow_lobe,
+        },
+        HardCase {
+            name: "prefixes_with_repeated_points",
+            what: "variances of all prefixes of poles, repeated points and antipodes with lobes of kappa = 0.01 to 1000, relative to \
+                   the geometric mean of the variance and that of white noise",
+            bound: 50.0 * 1e-12,
+            reason: "the kernel of pairs has an error of at most 1e-12 of its largest value, which is the variance of white noise times the \
+                     number of points, and repeated points have at least that variance",
+            measure: repeated_points,
         },
     ]
 }
@@ -110,5 +121,18 @@ fn narrow_lobe() -> Errors {
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
     let total = DoubleDouble::from(kappa) / four_pi;
     errors.push(relative(energy.total(), total), || "the total".to_owned());
+    errors
+}
+
+fn repeated_points() -> Errors {
+    let near = DVec3::new(1e-7, 0.0, 1.0).normalize();
+    let few = [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::Z, near, -near, DVec3::Y, DVec3::NEG_X];
+    let points: Vec<DVec3> = few.iter().cycle().take(50).copied().collect();
+    let mut errors = Errors::default();
+    for kappa in [0.01, 1.0, 100.0, 1000.0] {
+        let mut subject = OfPrefixes::new(points.clone(), kappa, (1..=points.len()).collect());
+        subject.run();
+        push_worst(&mut errors, &subject.errors());
+    }
     errors
 }

@@ -169,6 +169,12 @@ impl Subject for OfHarmonic {
     }
 }
 
+/// Returns a degree beyond which a lobe has negligible energy.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds")]
+pub(super) fn lobe_degree(kappa: f64) -> usize {
+    (8.6 * kappa.sqrt()) as usize + 24
+}
+
 /// A smooth lobe with sets of a pattern.
 #[derive(Debug)]
 pub(super) struct OfLobe {
@@ -185,10 +191,8 @@ impl OfLobe {
         Self { sampler, lobe, kappa, variance: f64::NAN }
     }
 
-    /// Returns a degree beyond which the lobe has negligible energy.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hundred or so")]
     pub(super) fn degree(&self) -> usize {
-        (8.6 * self.kappa.sqrt()) as usize + 24
+        lobe_degree(self.kappa)
     }
 
     fn realizations(&self) -> Realizations<'_> {
