@@ -7,10 +7,8 @@ use crate::plots::{
     Binned, Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
 
-/// With more curves than this, the bands would cover each other.
-const MAX_BANDS: usize = 3;
-/// With more curves than this, the markers of measured errors would.
-const MAX_MARKED: usize = 6;
+/// With more curves than this, bands and markers of measured errors would cover each other.
+const MAX_DETAILED: usize = 3;
 /// If all factors are within this one of 1, the axis is linear.
 const LINEAR_FACTOR: f64 = 5.0;
 
@@ -31,11 +29,11 @@ pub(super) fn chart(
     let (mut errors, mut measured, mut factors) = (Vec::new(), Vec::new(), Vec::new());
     for (curve, ink) in curves.iter().zip(inks(&values, &are_own)) {
         let label = curve.sampler.label.clone();
-        let has_bands = curves.len() <= MAX_BANDS;
+        let is_detailed = curves.len() <= MAX_DETAILED;
         let error = |row: &PrefixRecord| row.variance().map(f64::sqrt);
-        errors.push(line(&label, curve, ink, has_bands, &error, &mut notes));
-        factors.push(line("", curve, ink, has_bands, &|row| row.factor, &mut notes));
-        if curves.len() <= MAX_MARKED {
+        errors.push(line(&label, curve, ink, is_detailed, &error, &mut notes));
+        factors.push(line("", curve, ink, is_detailed, &|row| row.factor, &mut notes));
+        if is_detailed {
             measured.extend(markers(curve, ink));
         }
     }

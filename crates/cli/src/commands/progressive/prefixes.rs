@@ -67,7 +67,7 @@ fn spaced(max: usize) -> Vec<usize> {
     let half_octave = |k: u32| {
         // 2^k is an integer; the root of twice its square is the next one, rounded.
         let power = 1_u128 << (k / 2);
-        if k % 2 == 0 { power } else { rounded_root(2 * power * power) }
+        if k.is_multiple_of(2) { power } else { rounded_root(2 * power * power) }
     };
     let below: Vec<usize> = (0..2 * usize::BITS)
         .map(half_octave)

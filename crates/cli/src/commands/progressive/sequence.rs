@@ -47,7 +47,7 @@ impl<P: PredictedPattern> Sequence<P> {
 /// A sequence of a space, or one of the square that is mapped to directions.
 pub(super) enum SpaceSequence<P: PredictedPattern> {
     Own(Sequence<P>),
-    Warped(WarpedPattern, Sequence<SquarePattern>),
+    Warped(Box<WarpedPattern>, Sequence<SquarePattern>),
 }
 
 impl<P: PredictedPattern> SpaceSequence<P> {
@@ -80,7 +80,7 @@ impl<P: PredictedPattern> SpaceSequence<P> {
     pub(super) fn name(&self) -> SamplerName {
         match self {
             Self::Own(sequence) => SamplerName::of(&sequence.pattern),
-            Self::Warped(pattern, _) => DirectionSampler::Warped(pattern.clone()).name(),
+            Self::Warped(pattern, _) => DirectionSampler::Warped((**pattern).clone()).name(),
         }
     }
 
@@ -122,7 +122,7 @@ impl SpaceSequence<Pattern> {
             )));
         }
         let sequence = Sequence::new(&warped.pattern, counts, Square)?;
-        Ok(Self::Warped(warped.clone(), sequence))
+        Ok(Self::Warped(Box::new(warped.clone()), sequence))
     }
 }
 
