@@ -1,6 +1,7 @@
 //! Prefixes of nested sequences of the sphere against the best sets of each number of points.
 
 use std::f64::consts::{PI, TAU};
+use std::iter::successors;
 
 use glam::DVec3;
 use sphvar_integrands::{Cap, Integrand, VonMisesFisher};
@@ -91,7 +92,7 @@ fn all_prefixes_of_leja_sequences_to_4096_have_nearly_the_error_of_fibonacci() {
         sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0)).unwrap().points
     };
     let sequences = ["leja", "leja:symmetric=yes"].map(|pattern| (pattern, set(pattern, 4096)));
-    let counts = (8..100).chain((1..90).map(|i| (100.0 * 1.042_f64.powi(i)) as usize));
+    let counts = successors(Some(8), |n| Some(n + 1 + n / 25)).take_while(|n| *n <= 4096);
     for degrees in [20.0_f64, 60.0, 90.0] {
         let radius = degrees.to_radians();
         let sums = sequences.each_ref().map(|(_, points)| cap_sums(points, radius));

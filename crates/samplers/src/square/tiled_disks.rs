@@ -21,8 +21,8 @@ const NAME: &str = "tiled-disks";
 /// ```
 ///
 /// Integrands whose frequencies are below K are therefore integrated exactly, although the tile has
-/// power near 0; the power of all frequencies is the same on average as without repetition, in peaks
-/// of K^2 times the height. Minimum distances hold across the edges of the tiles.
+/// power near 0; the mean power over all frequencies is that without repetition, in peaks of K^2
+/// times the height. Minimum distances hold across the edges of the tiles.
 ///
 /// ```
 /// use sphvar_samplers::{Purpose, SquareSampler, Streams, TiledDisks};

@@ -126,8 +126,8 @@ mod tests {
         legendre_p(l, x).unwrap()
     }
 
-    /// g = 0 up to the angle c of a cap and 1 beyond: the integral of P_l over the cap has a closed
-    /// form, `P(l) = 1 - N/2 (P_(l-1)(cos c) - P_(l+1)(cos c))/(2l + 1)`.
+    /// g = 0 up to an angle c and 1 beyond: the integral of `P_l` over a cap has a closed form,
+    /// `P(l) = 1 - N/2 (P_(l-1)(cos c) - P_(l+1)(cos c))/(2l + 1)`.
     #[test]
     fn a_hard_core_has_its_closed_form() {
         let (n, core, last) = (100, 0.17_f64, 80);

@@ -32,7 +32,7 @@ pub struct SinglePeak {
 }
 
 impl SinglePeak {
-    /// The profile of the sphere with defaults: no power to about omega = 0.75, a peak of 1.3.
+    /// The profile of the sphere with defaults: no power to omega = 0.72, a peak of 1.5.
     pub const DEFAULT: Self = Self { edge: 1.2, peak: None, width: 0.1, to: 2.0 };
 
     /// Returns the power as a function of omega, where the number of harmonics or frequencies up to

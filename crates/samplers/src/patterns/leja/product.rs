@@ -2,8 +2,8 @@ use std::f64::consts::E;
 
 use glam::DVec3;
 
-/// The factor c of `c (1 - x.y)`, half the squared distance times c, whose logarithm has mean 0 over
-/// the sphere: products of any number of factors keep within the range of numbers.
+/// The factor c of `c (1 - x.y)`, half the squared distance times c, whose logarithm has mean 0
+/// over the sphere: products of any number of factors keep within the range of numbers.
 pub(super) const UNIT_MEAN: f64 = E / 2.0;
 
 /// Maximum number of Newton steps; from most candidates three suffice.
