@@ -146,7 +146,7 @@ impl Progress for After {
 }
 
 #[test]
-fn searches_stop_when_asked() {
+fn interrupts_stop_searches() {
     let design = Design::new(100, Domain::Sphere, Some(12), false).unwrap();
     for ticks in [0, 1, 10, 40, 60] {
         let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(0);

@@ -22,14 +22,8 @@ const KNOWN: [(usize, &[usize], usize); 11] = [
 /// The designs that have fewer degrees of freedom than equations, by their symmetry: degree,
 /// whether the points stand for pairs, and their number. The tetrahedron, the octahedron, the
 /// icosahedron, and in pairs the octahedron, the cube and the icosahedron.
-const SYMMETRIC: [(usize, bool, usize); 6] = [
-    (2, false, 4),
-    (3, false, 6),
-    (5, false, 12),
-    (2, true, 3),
-    (2, true, 4),
-    (4, true, 6),
-];
+const SYMMETRIC: [(usize, bool, usize); 6] =
+    [(2, false, 4), (3, false, 6), (5, false, 12), (2, true, 3), (2, true, 4), (4, true, 6)];
 
 /// Up to this degree any number of points with enough degrees of freedom has its largest degree:
 /// the search takes milliseconds.
@@ -49,9 +43,8 @@ pub(crate) fn default_count(equations: DesignEquations) -> usize {
 /// Returns the numbers of points of the most symmetric sets.
 fn symmetric_counts(equations: DesignEquations) -> impl Iterator<Item = usize> {
     let top = equations.degrees().last();
-    let is_own = move |set: &&(usize, bool, usize)| {
-        set.1 == equations.is_symmetric && Some(set.0) == top
-    };
+    let is_own =
+        move |set: &&(usize, bool, usize)| set.1 == equations.is_symmetric && Some(set.0) == top;
     SYMMETRIC.iter().filter(is_own).map(|set| set.2)
 }
 
@@ -103,7 +96,7 @@ pub(crate) fn degree_of(n_points: usize, is_symmetric: bool) -> usize {
     let may_be = |degree| {
         let equations = DesignEquations { degree, is_symmetric };
         let is_quick = degree <= SMALL_DEGREE
-            || degree <= super::stored::MAX_DEGREE && n_points == default_count(equations)
+            || super::stored::has(equations, n_points)
             || equations.count() as f64 <= MAX_SHARE * (2 * n_points) as f64;
         is_quick && is_feasible(equations, n_points)
     };

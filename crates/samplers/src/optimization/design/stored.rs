@@ -5,13 +5,15 @@ use glam::DVec3;
 use super::DesignEquations;
 use super::counts::default_count;
 
-/// The last degree of stored designs; of symmetric ones, which have no equations of odd degrees, it
-/// is the last even degree.
-pub(super) const MAX_DEGREE: usize = 32;
+/// The last degree of stored designs.
+const MAX_DEGREE: usize = 32;
 
-/// The colatitude and longitude of every point, little-endian numbers of 8 bytes: the sets of
-/// degrees 1 to 32, then the symmetric sets of degrees 2, 4, ..., 32, one point of each pair; each
-/// has its default number of points. The test `write_designs` makes the file.
+/// The last even degree of stored symmetric designs, which have no equations of odd degrees.
+const MAX_SYMMETRIC_DEGREE: usize = 32;
+
+/// The colatitude and longitude of every point, little-endian numbers of 8 bytes: the symmetric sets
+/// of degrees 2, 4, ..., one point of each pair, then the others of degrees 1, 2, 3, ...; each has
+/// its default number of points. The test `write_designs` completes a file that ends early.
 const DATA: &[u8] = include_bytes!("../../../data/designs.bin");
 
 /// The bytes of a point.
@@ -19,9 +21,10 @@ const POINT: usize = 16;
 
 /// Returns the equations of the stored designs, in their order.
 fn all() -> impl Iterator<Item = DesignEquations> {
-    let general = (1..=MAX_DEGREE).map(|degree| DesignEquations { degree, is_symmetric: false });
-    let even = (2..=MAX_DEGREE).step_by(2);
-    general.chain(even.map(|degree| DesignEquations { degree, is_symmetric: true }))
+    let even = (2..=MAX_SYMMETRIC_DEGREE).step_by(2);
+    let symmetric = even.map(|degree| DesignEquations { degree, is_symmetric: true });
+    let others = (1..=MAX_DEGREE).map(|degree| DesignEquations { degree, is_symmetric: false });
+    symmetric.chain(others)
 }
 
 /// Returns whether a design is stored.
