@@ -7,6 +7,7 @@ use crate::workplace::{Workplace, data, small_exr};
 const SUBCOMMANDS: [&str; 21] = [
     "compare",
     "choose",
+    "rotations",
     "sample",
     "spectrum",
     "merge",
