@@ -109,7 +109,7 @@ fn files_are_sequences_in_their_order() {
 }
 
 /// Without rotation, a fixed sequence has one error: that of a point at the pole is
-/// 4 pi Y_10(0) = 4 pi sqrt(3/(4 pi)).
+/// 4 pi `Y_10(0)` = 4 pi sqrt(3/(4 pi)).
 #[test]
 fn errors_without_rotation_are_measured() {
     let place = Workplace::new();
