@@ -26,7 +26,8 @@ use crate::{
 /// Designs of degrees up to 32 are stored at their default number of points. Others are computed,
 /// always with the same result and once for each sampler, by Levenberg-Marquardt steps with dense matrices or by conjugate
 /// gradients on fast transforms, whichever is expected to take less time. Near the default number
-/// of points the time grows as t^6, to minutes at t = 64; with 10 % more points as t^3.
+/// of points the time grows as t^6, to minutes at t = 64; with 10 % more points little
+/// faster than N.
 ///
 /// ```
 /// use sphvar_samplers::{Design, Domain, Purpose, Sampler, Streams};
@@ -214,7 +215,7 @@ impl Definition for DesignParameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
             // With an unspecified degree; the stored designs take hardly any time.
-            cost: CostOrder { exponent: 1.35, logarithm: 0.0, factor: "" },
+            cost: CostOrder { exponent: 1.09, logarithm: 0.0, factor: "" },
             low_degrees: "0 for l to about 1.3 sqrt(N)",
             smooth_rate: Rate::Exact,
             jump_rate: Rate::power(-1.5),

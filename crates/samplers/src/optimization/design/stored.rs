@@ -90,7 +90,9 @@ mod tests {
             let [residual, separation, beyond] = quality(equations, &points);
             assert!(residual <= 1e-20, "{equations:?}: {residual}");
             assert!(separation > 2.5, "{equations:?}: {separation}");
-            assert!(equations.degree < 10 || beyond < 1.0, "{equations:?}: {beyond}");
+            // Of pairs of antipodes, even degrees have twice the power of independent points.
+            let limit = if equations.is_symmetric { 3.0 } else { 1.2 };
+            assert!(equations.degree < 10 || beyond < limit, "{equations:?}: {beyond}");
         }
     }
 
