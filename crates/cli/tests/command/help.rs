@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 21] = [
+const SUBCOMMANDS: [&str; 22] = [
     "compare",
     "choose",
     "rotations",
