@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn errors_name_the_place() {
         for (text, message) in [
-            ("gamma,g\n0.1,x\n", "line 2"),
+            ("gamma,g\n0.1,x\n", "F:2: g"),
             ("gamma,g\n0.1\n", "2 fields"),
             ("gamma,g\n0.1,nan\n", "a finite number"),
             ("gamma,power\n0.1,1\n", "columns l and power"),

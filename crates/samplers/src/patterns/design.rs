@@ -24,10 +24,10 @@ use crate::{
 /// for such pairs.
 ///
 /// Designs of degrees up to 32 are stored at their default number of points. Others are computed,
-/// always with the same result and once for each sampler, by Levenberg-Marquardt steps with dense matrices or by conjugate
-/// gradients on fast transforms, whichever is expected to take less time. Near the default number
-/// of points the time grows as t^6, to minutes at t = 64; with 10 % more points little
-/// faster than N.
+/// always with the same result and once for each sampler, by Levenberg-Marquardt steps with dense
+/// matrices or by conjugate gradients on fast transforms, whichever is expected to take less time.
+/// Near the default number of points the time grows as t^6, to minutes at t = 64; with 10 % more
+/// points little faster than N.
 ///
 /// ```
 /// use sphvar_samplers::{Design, Domain, Purpose, Sampler, Streams};
@@ -213,9 +213,11 @@ impl Parametric for DesignParameters {
 
 impl Definition for DesignParameters {
     fn facts(&self) -> PatternFacts {
+        let exponent = if self.is_symmetric { 1.15 } else { 1.09 };
         PatternFacts {
-            // With an unspecified degree; the stored designs take hardly any time.
-            cost: CostOrder { exponent: 1.09, logarithm: 0.0, factor: "" },
+            // The expected work between 10^3 and 10^6 points where they determine the degree; stored
+            // designs take hardly any time.
+            cost: CostOrder { exponent, logarithm: 0.0, factor: "" },
             low_degrees: "0 for l to about 1.3 sqrt(N)",
             smooth_rate: Rate::Exact,
             jump_rate: Rate::power(-1.5),
