@@ -92,7 +92,7 @@ pub(crate) fn known_counts(equations: DesignEquations, factor: usize) -> String 
 pub(crate) fn degree_of(n_points: usize, is_symmetric: bool) -> usize {
     let step = if is_symmetric { 2 } else { 1 };
     // The square of a degree is at most about 2N, with two pairs of points each a half of that.
-    let mut degree = ((2 * step * n_points) as f64).sqrt() as usize / step * step + 2;
+    let mut degree = (2 * step * n_points).isqrt() / step * step + 2;
     let may_be = |degree| {
         let equations = DesignEquations { degree, is_symmetric };
         let is_quick = degree <= SMALL_DEGREE

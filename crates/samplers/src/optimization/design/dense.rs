@@ -101,8 +101,7 @@ impl Search<'_> {
                 let there = jacobian.values(&moved, self.progress)?;
                 let after = dot(&there, &there);
                 let ratio = (before - after) / predicted;
-                // Also false for NaN.
-                if !(ratio > 1e-3) {
+                if ratio.is_nan() || ratio <= 1e-3 {
                     self.damping *= 5.0;
                     continue;
                 }

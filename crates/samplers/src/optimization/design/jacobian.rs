@@ -240,8 +240,8 @@ mod tests {
                     let area = 4.0 * std::f64::consts::PI / points.len() as f64;
                     let weight = (area / (l * (l + 1)) as f64).sqrt();
                     let weight = if l > 6 { 0.25 * weight } else { weight };
-                    let orders =
-                        (0..=l as i64).flat_map(|m| if m == 0 { vec![0] } else { vec![m, -m] });
+                    let orders = (0..=i64::try_from(l).unwrap())
+                        .flat_map(|m| if m == 0 { vec![0] } else { vec![m, -m] });
                     for m in orders {
                         let sum = |p: &DVec3| real_ylm_at(l, m, *p).unwrap();
                         values.push(weight * points.iter().map(sum).sum::<f64>());

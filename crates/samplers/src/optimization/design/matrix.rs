@@ -123,8 +123,7 @@ impl Matrix {
                 substitute(&mut row[..i], done, stride, first);
                 row[i] += mu;
                 let rest = row[i] - dot(&row[..i], &row[..i]);
-                // Also true for NaN.
-                if !(rest > 0.0) {
+                if rest.is_nan() || rest <= 0.0 {
                     return Ok(false);
                 }
                 row[i] = rest.sqrt();

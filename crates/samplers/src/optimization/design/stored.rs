@@ -101,6 +101,7 @@ mod tests {
     /// least `3/sqrt(N)`, or else the one with the largest separation.
     #[test]
     #[ignore = "slow"]
+    #[allow(clippy::print_stdout, reason = "progress of a run of minutes")]
     fn write_designs() {
         if std::env::var_os("SPHVAR_WRITE_DESIGNS").is_none() {
             return;
