@@ -1,5 +1,5 @@
 //! Layers of grids on cubes, each finer by half than the last, in an order of which every prefix is
-//! spread out (the layered Sukharev grid sequence of Lindemann, Yershova and LaValle 2004), and their
+//! spread out (the layered Sukharev grid sequence of Lindemann, Yershova and `LaValle` 2004), and their
 //! projection onto spheres.
 
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -57,7 +57,7 @@ impl<const D: usize> LayeredCell<D> {
         }
         let cube = rest % cubes;
         let mut digits = rest / cubes;
-        let flip = if cube % 2 == 0 { 0 } else { (1 << D) - 1 };
+        let flip = if cube.is_multiple_of(2) { 0 } else { (1 << D) - 1 };
         let mut place = [0; D];
         for _ in 0..level {
             let corner = Self::CORNERS[(digits & ((1 << D) - 1)) as usize] ^ flip;

@@ -9,7 +9,7 @@ use crate::{
     SetDistribution, count,
 };
 
-/// The layered Sukharev grid sequence (Yershova and LaValle 2004): centres of cells on the faces of
+/// The layered Sukharev grid sequence (Yershova and `LaValle` 2004): centres of cells on the faces of
 /// a cube, projected from the centre onto the sphere.
 ///
 /// The layers are the six faces, 6 * 4 cells, 6 * 16 cells and so on; the sequence has all cells of a
@@ -20,7 +20,7 @@ use crate::{
 ///
 /// # References
 ///
-/// A. Yershova and S. M. LaValle, "Deterministic sampling methods for spheres and SO(3)", ICRA 2004.
+/// A. Yershova and S. M. `LaValle`, "Deterministic sampling methods for spheres and SO(3)", ICRA 2004.
 #[derive(Clone, Copy, Debug)]
 pub struct Sukharev {
     n: u32,

@@ -34,7 +34,7 @@ impl Choice for HopfOrder {
 }
 
 /// The product of the HEALPix directions and equally spaced twists by the Hopf map (Yershova, Jain,
-/// LaValle and Mitchell 2010): cells of equal volume.
+/// `LaValle` and Mitchell 2010): cells of equal volume.
 ///
 /// The rotation of pixel centre d and twist `psi = 2 pi (k + 1/2)/(6 nside)` first rotates about z by
 /// psi, then takes z to d by the shortest rotation. The grid of resolution nside has
@@ -45,7 +45,7 @@ impl Choice for HopfOrder {
 ///
 /// # References
 ///
-/// A. Yershova, S. Jain, S. M. LaValle and J. C. Mitchell, "Generating uniform incremental grids on
+/// A. Yershova, S. Jain, S. M. `LaValle` and J. C. Mitchell, "Generating uniform incremental grids on
 /// SO(3) using the Hopf fibration", International Journal of Robotics Research 29(7), 2010.
 #[derive(Clone, Copy, Debug)]
 pub struct HealpixHopf {

@@ -10,7 +10,7 @@ use crate::{
     RotationSampler, RotationSet, count,
 };
 
-/// The layered Sukharev grid sequence of rotations (Yershova and LaValle 2004): centres of cells on
+/// The layered Sukharev grid sequence of rotations (Yershova and `LaValle` 2004): centres of cells on
 /// the faces of a hypercube in the space of quaternions, one face of each antipodal pair, projected
 /// from the centre onto the unit quaternions.
 ///
@@ -21,7 +21,7 @@ use crate::{
 ///
 /// # References
 ///
-/// A. Yershova and S. M. LaValle, "Deterministic sampling methods for spheres and SO(3)", ICRA 2004.
+/// A. Yershova and S. M. `LaValle`, "Deterministic sampling methods for spheres and SO(3)", ICRA 2004.
 #[derive(Clone, Copy, Debug)]
 pub struct SukharevRotations {
     n: u32,

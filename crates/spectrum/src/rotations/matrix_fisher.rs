@@ -1,13 +1,13 @@
 use std::f64::consts::PI;
 
-/// Returns the coefficients a_l, for degrees from 0 to `lmax`, of the matrix Fisher function
+/// Returns the coefficients `a_l`, for degrees from 0 to `lmax`, of the matrix Fisher function
 ///
 /// ```text
 /// f(R) = exp(kappa (cos w - 1)) = sum_l a_l chi_l(w),   a_l = exp(-kappa) (I_l(kappa) - I_(l+1)(kappa)),
 /// ```
 ///
-/// where w is the angle of R, `cos w = (trace R - 1)/2`, chi_l the character of degree l and I_l the
-/// modified Bessel function. a_0 is the mean over SO(3), and the energy in degree l is `a_l^2`. `f(A R)` with a
+/// where w is the angle of R, `cos w = (trace R - 1)/2`, `chi_l` the character of degree l and `I_l` the
+/// modified Bessel function. `a_0` is the mean over SO(3), and the energy in degree l is `a_l^2`. `f(A R)` with a
 /// fixed rotation A has the same energies.
 ///
 /// Accurate to 1e-16 absolutely, for kappa from 0 to 1e6.

@@ -67,7 +67,7 @@ pub fn rotation_power(
 }
 
 /// Returns the exact degree of a set of rotations with its weights: the largest t such that all
-/// matrix elements D^l_mk of degrees 1 to t have mean 0, `P(l) <= 1e-16` ([`EXACT_POWER`]).
+/// matrix elements `D^l_mk` of degrees 1 to t have mean 0, `P(l) <= 1e-16` ([`EXACT_POWER`]).
 ///
 /// A set with exact degree t has at least as many rotations as there are functions of degrees up to
 /// t/2: the square of one that vanishes at all rotations does not have mean 0.
@@ -141,7 +141,7 @@ mod tests {
         group(&[DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5), fifth])
     }
 
-    /// Wigner's formula for d^l_mk(beta), with factorials.
+    /// Wigner's formula for `d^l_mk(beta)`, with factorials.
     fn wigner(l: i32, m: i32, k: i32, beta: f64) -> f64 {
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
         let (cos, sin) = ((0.5 * beta).cos(), (0.5 * beta).sin());
@@ -223,7 +223,7 @@ mod tests {
         assert!((power[3] - by_wigner(&many, 3)).abs() < 1e-11);
     }
 
-    /// A group of order N averages degree l to its invariants: P(l) = N n_l/(2l+1), where n_l is their
+    /// A group of order N averages degree l to its invariants: P(l) = N `n_l/(2l+1)`, where `n_l` is their
     /// number, for the octahedron 1 at l = 4, 6, 8, for the icosahedron 1 at 6, 10.
     #[test]
     fn groups_have_power_at_the_degrees_of_their_invariants() {
