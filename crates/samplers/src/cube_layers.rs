@@ -60,6 +60,7 @@ impl<const D: usize> LayeredCell<D> {
         let flip = if cube.is_multiple_of(2) { 0 } else { (1 << D) - 1 };
         let mut place = [0; D];
         for _ in 0..level {
+            #[expect(clippy::cast_possible_truncation, reason = "below 2^D")]
             let corner = Self::CORNERS[(digits & ((1 << D) - 1)) as usize] ^ flip;
             digits >>= D;
             for (d, place) in place.iter_mut().enumerate() {
@@ -71,7 +72,7 @@ impl<const D: usize> LayeredCell<D> {
 
     /// Returns the centre of the cell, with coordinates from -1 to 1, exact.
     pub(crate) fn centre(&self) -> [f64; D] {
-        let side = 2f64.powi(self.level as i32);
+        let side = f64::from(self.level).exp2();
         self.place.map(|place| (f64::from(2 * place + 1) - side) / side)
     }
 }
@@ -103,6 +104,7 @@ mod tests {
     use super::{LayeredCell, project};
     use crate::CubeSpacing;
 
+    #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
     fn check<const D: usize>(cubes: u64) {
         let mut start = 0;
         for level in 0..4u32 {
@@ -136,6 +138,7 @@ mod tests {
     /// an error of about 32^-2.
     #[test]
     fn weights_have_mean_1() {
+        #[expect(clippy::cast_possible_truncation, reason = "at most 3")]
         fn mean<const D: usize>(spacing: CubeSpacing) -> f64 {
             let start: u64 = (0..5).map(|level| 1 << (D as u32 * level)).sum();
             let n = 1 << (D as u32 * 5);

@@ -155,6 +155,9 @@ cube-sphere 3174: 3174 2240 4 - fast
 sukharev 12: 12 320 154 0 exact
 sukharev 192: 192 520 58 0 exact
 sukharev 3072: 3072 2200 4 - fast
+design 12: 12 320 154 0 exact
+design 192: 1345750 520 5 - exact
+design 3072: 105983693 2200 4 - fast beyond the budget
 ";
 const DEGREES: &str = "\
 cap sphere 1: 320

@@ -140,6 +140,11 @@ mod tests {
     }
 
     #[test]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "small numbers"
+    )]
     fn layers_are_grids_of_cells_on_a_cube() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let faces = if domain == Domain::Sphere { 6 } else { 3 };

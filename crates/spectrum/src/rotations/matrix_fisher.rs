@@ -29,6 +29,11 @@ use std::f64::consts::PI;
 pub fn matrix_fisher_coefficients(kappa: f64, lmax: usize) -> Vec<f64> {
     // The trapezoidal rule for exp(-kappa) I_l = mean of exp(kappa (cos t - 1)) cos(l t) has the error
     // of frequency n - l, which decreases as exp(-k^2/(2 kappa)) and faster.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive number, and the cast saturates"
+    )]
     let n = lmax + 40 + (9.0 * kappa.max(0.0).sqrt()).ceil() as usize;
     let bessel = |l: usize| {
         let terms = (0..2 * n).map(|j| {
@@ -53,7 +58,7 @@ mod tests {
     fn coefficients_are_projections() {
         for kappa in [0.0, 0.3, 2.0, 30.0, 500.0] {
             let got = matrix_fisher_coefficients(kappa, 40);
-            for l in [0, 1, 2, 7, 40] {
+            for l in [0_u32, 1, 2, 7, 40] {
                 let n = 4000;
                 let integral: f64 = (0..n)
                     .map(|j| {

@@ -61,6 +61,11 @@ impl RotationQuality {
         progress: &dyn Progress,
     ) -> Result<f64, Stopped> {
         // Coefficients decrease as exp(-l^2/(2 kappa)) and faster.
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a positive number, and the cast saturates"
+        )]
         let lmax = 20 + (10.0 * kappa.max(0.0).sqrt()).ceil() as usize;
         let energies: Vec<f64> =
             matrix_fisher_coefficients(kappa, lmax).iter().map(|a| a * a).collect();

@@ -34,11 +34,11 @@ fn intervals_cover_the_predicted_variance() {
     }
 }
 
-/// The squared error of a lattice is a smooth function of its rotation: with 300 rotations of low
+/// The squared error of a lattice is a smooth function of its rotation: with 2000 rotations of low
 /// discrepancy the error is several times smaller than with as many uniform ones.
 #[test]
 fn rotations_of_low_discrepancy_have_smaller_errors() {
-    let stderr = |rotations| measured("fibonacci", rotations, 300, 16, 0).stderr();
+    let stderr = |rotations| measured("fibonacci", rotations, 2000, 16, 0).stderr();
     let (even, uniform) = (stderr("super-fibonacci"), stderr("uniform"));
     assert!(even < uniform / 3.0, "{even} and {uniform}");
 }
