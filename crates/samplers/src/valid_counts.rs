@@ -53,6 +53,15 @@ pub enum ValidCounts {
         /// The difference, at least 1.
         step: usize,
     },
+    /// Some numbers, then `first`, `first + step`, `first + 2 step`, ...
+    ListedOrAtLeast {
+        /// At least one number, in ascending order, all less than `first`.
+        listed: Cow<'static, [usize]>,
+        /// The number from which there are no gaps, a multiple of `step`.
+        first: usize,
+        /// The difference, at least 1.
+        step: usize,
+    },
     /// These numbers, in ascending order; an empty list if they depend on a file.
     Listed(Cow<'static, [usize]>),
 }
@@ -139,6 +148,12 @@ impl ValidCounts {
                 above.checked_sub(k.checked_mul(*linear)?)
             }
             Self::AtLeast { first, step } => (k - 1).checked_mul(*step)?.checked_add(*first),
+            Self::ListedOrAtLeast { listed, first, step } => {
+                match k.checked_sub(listed.len() + 1) {
+                    Some(beyond) => beyond.checked_mul(*step)?.checked_add(*first),
+                    None => listed.get(k - 1).copied(),
+                }
+            }
             Self::Listed(numbers) => numbers.get(k - 1).copied(),
         }
     }
@@ -165,6 +180,18 @@ impl fmt::Display for ValidCounts {
             Self::AtLeast { first, step: 1 } => return write!(f, "at least {first}"),
             Self::AtLeast { first, step } => {
                 return write!(f, "a multiple of {step}, at least {first}");
+            }
+            Self::ListedOrAtLeast { listed, first, step } => {
+                match &**listed {
+                    [others @ .., last] if others.len() < MAX_LISTED => {
+                        others.iter().try_for_each(|n| write!(f, "{n}, "))?;
+                        write!(f, "{last}")?;
+                    }
+                    _ => list(f, listed)?,
+                }
+                let comma = if *step == 1 && listed.len() <= MAX_LISTED { "" } else { "," };
+                let rest = Self::AtLeast { first: *first, step: *step };
+                return write!(f, "{comma} or {rest}");
             }
             Self::Listed(numbers) => return list(f, numbers),
         }
@@ -208,7 +235,9 @@ mod tests {
         let at_least = |step, first: usize| {
             (ValidCounts::AtLeast { first, step }, (first..3100).step_by(step).collect())
         };
-        let rules: [(ValidCounts, Vec<usize>); 11] = [
+        let gaps = ValidCounts::ListedOrAtLeast { listed: vec![12, 18].into(), first: 24, step: 2 };
+        let rules: [(ValidCounts, Vec<usize>); 12] = [
+            (gaps, [12, 18].into_iter().chain((24..3100).step_by(2)).collect()),
             (ValidCounts::Cubes { unit: 72, root: "k" }, cubes),
             (ValidCounts::Multiples { of: 16 }, (1..200).map(|k| 16 * k).collect()),
             at_least(1, 482),
@@ -235,7 +264,12 @@ mod tests {
                 assert_eq!(counts.largest_not_exceeding(requested), below, "{requested}");
             }
             // Lists end, and so do 2^32 numbers in steps of 1 or 2.
-            let ends = matches!(counts, ValidCounts::Listed(_) | ValidCounts::AtLeast { .. });
+            let ends = matches!(
+                counts,
+                ValidCounts::Listed(_)
+                    | ValidCounts::AtLeast { .. }
+                    | ValidCounts::ListedOrAtLeast { .. }
+            );
             assert!(ends || counts.nearest(usize::MAX) > usize::MAX / 2);
         }
         let any = ValidCounts::Any;
@@ -259,6 +293,13 @@ mod tests {
         let at_least = |step, first| ValidCounts::AtLeast { first, step }.to_string();
         assert_eq!(at_least(1, 482), "at least 482");
         assert_eq!(at_least(2, 14), "a multiple of 2, at least 14");
+        let with_gaps = |step, listed: Vec<usize>, first| {
+            ValidCounts::ListedOrAtLeast { listed: listed.into(), first, step }.to_string()
+        };
+        assert_eq!(with_gaps(1, vec![6, 8], 10), "6, 8 or at least 10");
+        assert_eq!(with_gaps(2, vec![12], 18), "12, or a multiple of 2, at least 18");
+        let many = with_gaps(1, (1000..1040).step_by(2).collect(), 1041);
+        assert_eq!(many, "one of 20 numbers (1000, 1002, ..., 1038), or at least 1041");
         let listed = |counts: &[usize]| ValidCounts::Listed(counts.to_vec().into()).to_string();
         assert_eq!(listed(&[777]), "777");
         assert_eq!(listed(&[5, 7]), "5 or 7");

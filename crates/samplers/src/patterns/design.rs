@@ -7,8 +7,8 @@ use sphvar_grammar::{Declaration, Parametric};
 
 use crate::definition::Definition;
 use crate::optimization::design::{
-    DesignEquations, default_count, degree_of, design_points, expected_work, is_feasible,
-    known_counts,
+    DesignEquations, default_count, design_points, equations_by_count, equations_of, expected_work,
+    valid_counts,
 };
 use crate::{
     CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, SetDistribution,
@@ -65,12 +65,13 @@ impl Design {
     /// the largest one up to degree 12 and for the stored designs, otherwise the largest for which
     /// at most nine tenths of the 2N coordinates are constrained.
     ///
-    /// `is_symmetric` has no effect on the hemisphere.
+    /// The points are pairs of antipodes if `is_symmetric`, and also where other sets with this
+    /// number of points have no such degree. `is_symmetric` has no effect on the hemisphere.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless `n_points` is from 1 to `u32::MAX`; [`Error::Infeasible`] with
-    /// feasible numbers of points if no design is known, or none of an odd number of points in
+    /// valid numbers of points if no design is available, or none of an odd number of points in
     /// pairs.
     pub fn new(
         n_points: usize,
@@ -79,22 +80,19 @@ impl Design {
         is_symmetric: bool,
     ) -> Result<Self, Error> {
         let n = count::checked(n_points)?;
-        let is_symmetric = is_symmetric || domain == Domain::Hemisphere;
-        let in_pairs = is_symmetric && domain == Domain::Sphere;
         let infeasible = |reason| Error::Infeasible { pattern: "design", n_points, reason };
-        if in_pairs && n_points % 2 == 1 {
+        if is_symmetric && domain == Domain::Sphere && n_points % 2 == 1 {
             return Err(infeasible("pairs of antipodes have an even number of points".to_owned()));
         }
-        let n_unknown = if in_pairs { n_points / 2 } else { n_points };
-        let degree = degree.unwrap_or_else(|| degree_of(n_unknown, is_symmetric));
-        let equations = DesignEquations { degree, is_symmetric };
-        if !is_feasible(equations, n_unknown) {
-            let factor = if in_pairs { 2 } else { 1 };
-            return Err(infeasible(format!(
-                "no design of degree {degree} with this number is known; choose {} points",
-                known_counts(equations, factor)
-            )));
-        }
+        let equations = match degree {
+            Some(degree) => equations_of(degree, n_points, domain, is_symmetric),
+            None => equations_by_count(n_points, domain, is_symmetric),
+        };
+        let equations = equations.ok_or_else(|| {
+            let degree = degree.unwrap_or_default();
+            let counts = valid_counts(degree, domain, is_symmetric);
+            infeasible(format!("no design of degree {degree} is available; N must be {counts}"))
+        })?;
         Ok(Self { n, domain, equations, points: OnceLock::new() })
     }
 
@@ -189,8 +187,9 @@ impl DesignParameters {
         (self.degree > 0).then_some(self.degree as usize)
     }
 
-    /// Returns the smallest number of points, if the degree is given.
-    fn smallest_count(self, domain: Domain) -> Option<usize> {
+    /// Returns the number of points of the stored or otherwise smallest set without special
+    /// symmetry, if the degree is given.
+    fn own_count(self, domain: Domain) -> Option<usize> {
         let is_symmetric = self.is_symmetric || domain == Domain::Hemisphere;
         let n = default_count(DesignEquations { degree: self.given_degree()?, is_symmetric });
         Some(if self.is_symmetric && domain == Domain::Sphere { 2 * n } else { n })
@@ -227,15 +226,17 @@ impl Definition for DesignParameters {
     }
 
     fn valid_counts(&self, domain: Domain) -> ValidCounts {
-        let step = if self.is_symmetric && domain == Domain::Sphere { 2 } else { 1 };
-        match self.smallest_count(domain).unwrap_or(step) {
-            1 => ValidCounts::Any,
-            first => ValidCounts::AtLeast { first, step },
+        match self.given_degree() {
+            Some(degree) => valid_counts(degree, domain, self.is_symmetric),
+            None if self.is_symmetric && domain == Domain::Sphere => {
+                ValidCounts::AtLeast { first: 2, step: 2 }
+            }
+            None => ValidCounts::Any,
         }
     }
 
     fn default_count(&self, domain: Domain) -> Option<usize> {
-        self.smallest_count(domain)
+        self.own_count(domain)
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {

@@ -84,14 +84,32 @@ fn a_lobe_is_integrated_as_well_as_by_published_designs() {
     assert!(error <= 1.3e-5, "{error}");
 }
 
+/// The cube, and pairs of antipodes with fewer points than other sets of the degree, or with a higher
+/// degree than other sets of the number.
+#[test]
+fn pairs_of_antipodes_are_taken_where_others_have_no_such_degree() {
+    for (n, degree) in [(8, 3), (18, 5), (32, 7), (48, 9), (50, 9), (70, 11), (94, 13), (500, 31)] {
+        for given in [Some(degree), None] {
+            let design = Design::new(n, Domain::Sphere, given, false).unwrap();
+            assert_eq!(design.last_empty_degree(), Some(degree), "N = {n}");
+            let points = set(&design).points;
+            let largest = powers(&points, degree)[1..].iter().copied().fold(0.0, f64::max);
+            assert!(points.len() == n && largest <= 1e-20, "t = {degree}, N = {n}: {largest}");
+        }
+        let pattern: Pattern = format!("design:t={degree}").parse().unwrap();
+        assert!(pattern.valid_counts(Domain::Sphere).contains(n), "t = {degree}, N = {n}");
+        assert_eq!(pattern.nearest_count(n, Domain::Sphere), n);
+    }
+}
+
 #[test]
 fn numbers_of_points_without_designs_are_errors() {
     for (n, degree, reason) in [
-        (5, 2, "no design of degree 2 with this number is known; choose 4 or at least 6 points"),
-        (9, 3, "choose 6 or at least 10 points"),
-        (1, 1, "choose 2 or more points"),
-        (53, 9, "choose 52 or at least 54 points"),
-        (481, 30, "choose 482 or more points"),
+        (5, 2, "no design of degree 2 is available; N must be 4 or at least 6"),
+        (9, 3, "N must be 6, 8 or at least 10"),
+        (1, 1, "N must be at least 2"),
+        (53, 9, "N must be 48, 50, 52 or at least 54"),
+        (481, 30, "N must be at least 482"),
     ] {
         let error = Design::new(n, Domain::Sphere, Some(degree), false).unwrap_err();
         let message = error.to_string();

@@ -12,7 +12,7 @@ mod search;
 mod start;
 mod stored;
 
-pub(crate) use counts::{default_count, degree_of, is_feasible, known_counts};
+pub(crate) use counts::{default_count, equations_by_count, equations_of, valid_counts};
 use dense::solve_dense;
 pub(crate) use equations::{DesignEquations, Solved};
 use matrix_free::solve_matrix_free;
