@@ -1,26 +1,46 @@
 //! Progress on standard error, with the remaining time, for long work.
 
 use std::fmt::Write;
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use sphvar_samplers::Stopped;
+use sphvar_samplers::{SECONDS_PER_WORK, Stopped};
 
 use crate::message;
+use crate::report::{number, say};
 
-/// A progress bar over nominal work; silent if standard error is not a terminal.
+/// A progress bar over nominal work. If standard error is not a terminal, lines at growing intervals take the place of the bar.
 pub(crate) struct Progress {
     bar: ProgressBar,
     /// The remaining seconds that were shown last; later values do not exceed them.
     longest: Arc<AtomicU64>,
+    started: Instant,
+    /// Where lines take the place of the bar, the seconds from the start to the next one.
+    next_line: Option<AtomicU64>,
 }
+
+/// The least expected time that is stated first, in seconds of one core.
+const LONG: f64 = 10.0;
+
+/// The seconds to the first line; each later one comes after twice the time.
+const FIRST_LINE: u64 = 15;
 
 /// The number of ticks per unit of work, because the bar counts integers.
 const TICKS: f64 = 16.0;
 
 impl Progress {
+    /// Returns a bar for `work` units as [`new`](Self::new) does, after a line on their expected time
+    /// if it is long. The work must be the nominal one rather than a maximum or a share.
+    pub(crate) fn with_expected_time(work: f64, quiet: bool) -> Self {
+        if let Some(text) = expected_time(work) {
+            say(quiet, &text);
+        }
+        Self::new(work, quiet)
+    }
+
     /// Returns a bar for `work` units.
     pub(crate) fn new(work: f64, quiet: bool) -> Self {
         let longest = Arc::new(AtomicU64::new(u64::MAX));
@@ -38,7 +58,9 @@ impl Progress {
             bar.set_style(style.with_key("left", left).progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, longest }
+        let has_lines = !quiet && !std::io::stderr().is_terminal();
+        let next_line = has_lines.then(|| AtomicU64::new(FIRST_LINE));
+        Self { bar, longest, started: Instant::now(), next_line }
     }
 
     /// Sets the description of the current stage.
@@ -49,6 +71,16 @@ impl Progress {
     /// Counts `work` units as done.
     pub(crate) fn advance(&self, work: f64) {
         self.bar.inc(ticks(work));
+        let Some(next_line) = &self.next_line else { return };
+        let (seconds, next) = (self.started.elapsed().as_secs(), next_line.load(Ordering::Relaxed));
+        let later = 2 * seconds;
+        // Of several threads, one writes the line.
+        if seconds >= next
+            && next_line.compare_exchange(next, later, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+        {
+            let done = self.bar.position() as f64 / self.bar.length().unwrap_or_default() as f64;
+            message::write(&line(&self.bar.message(), done, seconds as f64));
+        }
     }
 
     /// Prints a line above the bar, if the bar is visible.
@@ -91,6 +123,35 @@ fn left(state: &ProgressState, longest: &AtomicU64) -> String {
     format!("{}s", shown)
 }
 
+/// Returns a sentence on the time that `work` units are expected to take, if it is long.
+fn expected_time(work: f64) -> Option<String> {
+    let seconds = SECONDS_PER_WORK * work;
+    (seconds >= LONG && seconds.is_finite())
+        .then(|| format!("expected time on one core: about {}", rough(seconds)))
+}
+
+/// Returns the line on a stage after a number of seconds, with the share of the expected work that
+/// is done.
+fn line(stage: &str, done: f64, seconds: f64) -> String {
+    let stage = if stage.is_empty() { "progress" } else { stage };
+    // Without expected work the share is not a number.
+    let state = match done {
+        done if done < 1.0 => format!("{} % done after {seconds} s", (100.0 * done).floor()),
+        done if done >= 1.0 => format!("longer than expected, {seconds} s so far"),
+        _ => format!("{seconds} s so far"),
+    };
+    format!("{stage}: {state}")
+}
+
+/// Returns a time that is known to a factor of about 2.
+fn rough(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{:.0} s", s),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{} h", number::count((s / 3600.0).round())),
+    }
+}
+
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -98,4 +159,29 @@ fn left(state: &ProgressState, longest: &AtomicU64) -> String {
 )]
 fn ticks(work: f64) -> u64 {
     (work * TICKS).round() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SECONDS_PER_WORK, expected_time, line};
+
+    #[test]
+    fn long_work_states_its_expected_time() {
+        let text = |seconds: f64| expected_time(seconds / SECONDS_PER_WORK);
+        for seconds in [0.0, 9.0, f64::NAN, -1.0, f64::INFINITY] {
+            assert_eq!(text(seconds), None, "{seconds}");
+        }
+        for (seconds, end) in [(40.0, "about 40 s"), (601.0, "about 10 min"), (7200.0, "about 2 h")]
+        {
+            let text = text(seconds).unwrap();
+            assert!(text.ends_with(end), "{text}");
+        }
+    }
+
+    #[test]
+    fn lines_state_what_is_done() {
+        assert_eq!(line("dpp", 0.239, 15.0), "dpp: 23 % done after 15 s");
+        assert_eq!(line("design", 1.0, 30.0), "design: longer than expected, 30 s so far");
+        assert_eq!(line("", f64::NAN, 61.0), "progress: 61 s so far");
+    }
 }

@@ -100,9 +100,6 @@ fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Resu
     let sampler = patterns::nearest_sampler(pattern, n, domain, nearest, global.quiet)?;
     let last_empty_degree = sampler.last_empty_degree();
     let remark = last_empty_degree.map(|last| no_power(last, sampler.domain()));
-    if let Some(empty) = &remark {
-        say(global.quiet, &format!("{pattern}, N = {}: {empty}", sampler.n_points()));
-    }
     let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
     let drawn = if args.rotate {
         Realizations::rotated(&*sampler, streams)
@@ -125,10 +122,15 @@ fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Resu
         },
         set_work: sampler.nominal_work(),
         last_empty_degree,
-        remark,
+        remark: remark.clone(),
         picture: sphere_picture,
     };
-    sets.write(args, global)
+    sets.write(args, global)?;
+    // The statement is about sets that exist: the work may fail or be interrupted.
+    if let Some(empty) = &remark {
+        say(global.quiet, &format!("{pattern}, N = {}: {empty}", sampler.n_points()));
+    }
+    Ok(())
 }
 
 /// Draws directions on the visible hemisphere.

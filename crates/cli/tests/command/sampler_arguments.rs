@@ -206,3 +206,21 @@ fn steps_state_their_last_empty_degree() {
     let text = place.run(choose).ok().stdout;
     assert!(text.contains("Largest degree without power: step 10"), "{text}");
 }
+
+/// Long work states its expected time first; that the points have no power follows them.
+#[test]
+fn long_work_states_its_expected_time_before_results() {
+    use std::io::{BufRead, BufReader};
+    let place = Workplace::new();
+    for sampler in ["design:t=64", "dpp -n 6000"] {
+        let mut command = place.command(&format!("sample {sampler} -o long.npy"));
+        let mut child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
+        let mut first = String::new();
+        BufReader::new(child.stderr.take().unwrap()).read_line(&mut first).unwrap();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(first.contains("expected time on one core: about"), "{sampler}: {first}");
+    }
+    let brief = place.run("sample design -n 12 -o short.npy").ok();
+    assert_eq!(brief.stderr, "design, N = 12: no power at degrees 1 to 5\n");
+}

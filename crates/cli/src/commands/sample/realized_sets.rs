@@ -122,7 +122,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
     /// Returns the sets with the indices from 0.
     fn realize(&self, count: u64, global: &Global) -> Result<Vec<PointSet<P>>, CliError> {
         let set_work = if self.given.is_some() { 0.0 } else { self.set_work };
-        let progress = Progress::new(count as f64 * set_work, global.quiet);
+        let progress = Progress::with_expected_time(count as f64 * set_work, global.quiet);
         progress.stage(&self.label);
         let realize = |i| {
             let mut set = PointSet::default();
