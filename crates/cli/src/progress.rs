@@ -12,7 +12,8 @@ use sphvar_samplers::{SECONDS_PER_WORK, Stopped};
 use crate::message;
 use crate::report::{number, say};
 
-/// A progress bar over nominal work. If standard error is not a terminal, lines at growing intervals take the place of the bar.
+/// A progress bar over nominal work. If standard error is not a terminal, lines at growing intervals
+/// take its place.
 pub(crate) struct Progress {
     bar: ProgressBar,
     /// The remaining seconds that were shown last; later values do not exceed them.
@@ -32,8 +33,8 @@ const FIRST_LINE: u64 = 15;
 const TICKS: f64 = 16.0;
 
 impl Progress {
-    /// Returns a bar for `work` units as [`new`](Self::new) does, after a line on their expected time
-    /// if it is long. The work must be the nominal one rather than a maximum or a share.
+    /// Returns a bar for `work` units as [`new`](Self::new) does, after a line on their expected
+    /// time if it is long. The work must be the nominal one rather than a maximum or a share.
     pub(crate) fn with_expected_time(work: f64, quiet: bool) -> Self {
         if let Some(text) = expected_time(work) {
             say(quiet, &text);
