@@ -98,7 +98,8 @@ fn claim_offset(results: &Results, setting: Setting, figure: &mut Figure) -> Res
     }
     figure.note(
         "Poisson disks by dart throwing have exactly 4096 points and the chord 2.893/sqrt(N). Those by boundary sampling \
-         (Dunbar and Humphreys 2006) are saturated, with 4096 points on average and the chord 3.276/sqrt(N); their \
+         (Dunbar and Humphreys 2006; the boundary of a random point is filled before that of the next) are saturated, \
+         with 4096 points on average and the chord 3.276/sqrt(N); their \
          power at l = 1 is higher, because a set grows from one point.",
     );
     Ok(())
