@@ -58,6 +58,11 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
         self.own_count()
     }
 
+    /// Returns what takes other numbers of points than this pattern.
+    fn with_other_counts(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Returns whether the points are the user's own.
     fn is_file(&self) -> bool;
 
@@ -208,6 +213,10 @@ impl PatternKind for RotationPattern {
         None
     }
 
+    fn with_other_counts(&self) -> Option<&'static str> {
+        matches!(self, Self::HealpixHopf(_)).then_some("order=layered takes any number")
+    }
+
     fn is_file(&self) -> bool {
         false
     }
@@ -302,7 +311,10 @@ fn build_counted<P: PatternKind<Space = S>, S: Space>(
     let nearest = nearest || pattern.own_count().is_some();
     let n = if nearest && n > 0 { pattern.nearest_count(n, space) } else { n };
     let sampler = pattern.build(n, space).map_err(|error| match error {
-        Error::InvalidCount { .. } => CliError::Usage(format!("{error} (use --nearest)")),
+        Error::InvalidCount { .. } => {
+            let other = pattern.with_other_counts().map(|other| format!("; {other}"));
+            CliError::Usage(format!("{error} (use --nearest){}", other.unwrap_or_default()))
+        }
         Error::Given { .. } => CliError::failed(error),
         _ => CliError::usage(error),
     })?;

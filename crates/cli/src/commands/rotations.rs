@@ -20,7 +20,7 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns::{nearest_sampler, parse_patterns};
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, print};
+use crate::report::{Document, Provenance, number, print, say};
 
 /// The degree of the powers without --lmax.
 const DEFAULT_LMAX: usize = 4;
@@ -30,6 +30,9 @@ const MAX_LMAX: usize = 200;
 
 /// The largest concentration for which errors are computed, of functions a degree wide.
 const MAX_KAPPA: f64 = 3000.0;
+
+/// Measures whose expected time is longer are announced, in seconds.
+const LONG_SECONDS: f64 = 5.0;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar rotations super-fibonacci -n 1000 -o rotations.csv       (quaternions w,x,y,z)
@@ -41,14 +44,15 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 Rotations are active: the matrix R takes a vector v of the body to R v in the laboratory. Quaternions q and \
 -q are the same rotation. Euler angles are those of R = Rz(alpha) Ry(beta) Rz(gamma), intrinsic z-y'-z'': alpha and beta are \
-the longitude and the colatitude of the image of z, gamma is the rotation about z before.
+the longitude and the colatitude of the image of z, gamma is the rotation about z that comes first.
 
 Without -o, the sets are measured. The separation is the least angle between two rotations, the covering radius \
 (dispersion) the largest angle from any rotation to the nearest of the set. P(l) is the power of degree l of the \
 matrices D^l of SO(3), 1 for independent uniform rotations; all functions of the degrees up to the exact degree have the mean that they \
-have over SO(3). Replicates with --rotate have the right mean on average, so their spread is the error. \
+have over SO(3). Layers of sukharev are complete at 4, 36, 292, 2340, ... rotations, those of healpix-hopf:order=layered \
+at 72, 648, 5256, ...; between them errors are larger. Replicates with --rotate have the right mean on average, so their spread is the error. \
 --kappa adds the root mean square error of the mean of exp(kappa (cos w - 1)) over a randomly rotated set, relative to its mean over SO(3), \
-w the angle of R or of R times a fixed rotation.";
+w the angle of R or of R times a fixed rotation, and the sampler of the least error at each N.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -74,18 +78,19 @@ pub(crate) struct RotationsArgs {
     #[command(flatten)]
     pub(crate) lmax: LmaxArgs,
     /// Concentration of the function whose mean has the error in the column `error`
-    #[arg(long, value_name = "KAPPA", value_parser = parse_number)]
+    #[arg(long, value_name = "KAPPA", value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) kappa: Option<f64>,
-    /// How rotations are written
+    /// How rotations are written: quaternions, matrices, euler (radians) or euler-degrees
     #[arg(
         long,
         value_enum,
+        hide_possible_values = true,
         value_name = "FORMAT",
         default_value = "quaternions",
         requires = "out"
     )]
     pub(crate) format: RotationFormat,
-    /// Write the rotations to a file: .csv, .npy or .json; - is CSV on standard output
+    /// Write the rotations to a file: .csv, .npy, .npz or .json; - is CSV on standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -150,6 +155,15 @@ pub(crate) fn run(args: &RotationsArgs, global: &Global) -> Result<(), CliError>
             return Err(CliError::Usage(message.to_owned()));
         };
         return WrittenSets::realize(case, args, global)?.write(path, &provenance, global);
+    }
+    let expected = cases.iter().map(|case| measures::expected_seconds(&*case.sampler, args, lmax));
+    let expected: f64 = expected.sum();
+    if expected > LONG_SECONDS {
+        let time = number::seconds(expected);
+        say(
+            global.quiet,
+            &format!("the measures take about {time}; -o writes the rotations without them"),
+        );
     }
     let work = |case: &Case| measures::nominal_work(&*case.sampler, args, lmax);
     let progress = Progress::new(cases.iter().map(work).sum(), global.quiet);

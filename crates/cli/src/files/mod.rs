@@ -1,6 +1,7 @@
 //! Input and output files: reads point sets and writes results, complete or not at all.
 
 mod alm;
+mod array_archive;
 mod atomic;
 mod coefficients;
 mod energies;
@@ -49,7 +50,7 @@ pub(crate) use points::{
     ColumnChoice, FilePoint, OptionSpelling, ReadOptions, read_points, write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
-pub(crate) use rotations::{RotationFormat, write_rotations};
+pub(crate) use rotations::{RotationFile, RotationFormat, write_rotations};
 pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};

@@ -1,4 +1,4 @@
-//! Writes sets of rotations as CSV or NPY.
+//! Writes sets of rotations as CSV, NPY or NPZ.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,9 +8,18 @@ use glam::{DMat3, DQuat};
 use serde::Serialize;
 use sphvar_samplers::{RotationSet, euler_zyz};
 
+use super::array_archive::ArrayArchive;
 use super::atomic::AtomicFile;
-use super::file_error::{FileError, output_name};
+use super::file_error::FileError;
 use super::npy::write_npy;
+
+/// The file that rotations are written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RotationFile {
+    Csv,
+    Npy,
+    Npz,
+}
 
 /// How rotations are written as numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, schemars::JsonSchema)]
@@ -62,39 +71,34 @@ impl RotationFormat {
     }
 }
 
-/// Writes sets of rotations as `.npy` or, otherwise, as CSV; `-` is standard output.
+/// Writes sets of rotations; `-` is standard output.
 ///
 /// - CSV: the names of the numbers as header, with a column `weight` if the sets have weights, and a
 ///   last column `set` (counted from 0) for several sets. Every number has the shortest digits that
 ///   are read back as the same number.
 /// - `.npy`: `(N, 4)`, `(N, 3, 3)` or `(N, 3)`, with M before N for several sets; 8-byte floats, little-endian,
 ///   C order, without weights.
+/// - `.npz`: this array as `rotations` and, if the sets have weights, `(N,)` or `(M, N)` as `weights`; uncompressed.
 ///
 /// The file appears when it is complete.
 ///
 /// # Errors
 ///
-/// If sets with weights are written to `.npy`, or the file cannot be written.
+/// If the file cannot be written.
 pub(crate) fn write_rotations(
     path: &Path,
-    is_npy: bool,
+    file: RotationFile,
     format: RotationFormat,
     sets: &[RotationSet],
 ) -> Result<(), FileError> {
-    if is_npy && sets.iter().any(|set| !set.weights.is_empty()) {
-        return Err(FileError::InvalidTarget {
-            path: output_name(path),
-            reason: "an .npy array of rotations has no weights; write .csv or .json",
-        });
-    }
-    let mut file = AtomicFile::create(path)?;
-    let written = if is_npy {
-        write_array(&mut file, format, sets)
-    } else {
-        write_csv(&mut file, format, sets)
+    let mut out = AtomicFile::create(path)?;
+    let written = match file {
+        RotationFile::Csv => write_csv(&mut out, format, sets),
+        RotationFile::Npy => write_array(&mut out, format, sets),
+        RotationFile::Npz => write_archive(&mut out, format, sets),
     };
-    written.map_err(|source| file.error(source))?;
-    file.commit()
+    written.map_err(|source| out.error(source))?;
+    out.commit()
 }
 
 fn write_array(
@@ -102,11 +106,31 @@ fn write_array(
     format: RotationFormat,
     sets: &[RotationSet],
 ) -> io::Result<()> {
-    let n = sets.first().map_or(0, RotationSet::len) as u64;
-    let several = (sets.len() > 1).then_some(sets.len() as u64);
-    let shape: Vec<u64> = several.into_iter().chain([n]).chain(format.shape().to_vec()).collect();
+    let shape = [shape_of(sets), format.shape().to_vec()].concat();
     let numbers = sets.iter().flat_map(|set| &set.points).flat_map(|q| format.numbers(*q));
     write_npy(out, "<f8", &shape, numbers)
+}
+
+fn write_archive(
+    out: &mut impl Write,
+    format: RotationFormat,
+    sets: &[RotationSet],
+) -> io::Result<()> {
+    let rotations: usize = sets.iter().map(RotationSet::len).sum();
+    let mut archive = ArrayArchive::new((format.columns().len() * rotations) as u64);
+    write_array(archive.start("rotations")?, format, sets)?;
+    if sets.iter().any(|set| !set.weights.is_empty()) {
+        let weights = sets.iter().flat_map(|set| set.weights.iter().copied());
+        write_npy(archive.start("weights")?, "<f8", &shape_of(sets), weights)?;
+    }
+    archive.write(out)
+}
+
+/// Returns the shape of an array with a number for each rotation.
+fn shape_of(sets: &[RotationSet]) -> Vec<u64> {
+    let n = sets.first().map_or(0, RotationSet::len) as u64;
+    let several = (sets.len() > 1).then_some(sets.len() as u64);
+    several.into_iter().chain([n]).collect()
 }
 
 fn write_csv(out: &mut impl Write, format: RotationFormat, sets: &[RotationSet]) -> io::Result<()> {

@@ -36,6 +36,7 @@ mod qualities;
 mod records;
 mod render;
 mod reproduction;
+mod rotations;
 mod sampler_arguments;
 mod schemas;
 mod sequences;

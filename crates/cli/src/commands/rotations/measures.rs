@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{RotationSampler, RotationSet};
-use sphvar_spectrum::{Moments, RotationQuality};
+use sphvar_spectrum::{Moments, RotationQuality, matrix_fisher_coefficients};
 
 use super::{Case, RotationsArgs};
 use crate::error::CliError;
@@ -13,6 +13,12 @@ use crate::report::{Column, number, table_of};
 
 /// The degrees whose powers the table has.
 const SHOWN_DEGREES: usize = 6;
+
+/// The time of the separation, the covering radius and the exact degree of a rotation, in seconds.
+const SECONDS_PER_ROTATION: f64 = 75e-6;
+
+/// The time of a unit of the nominal work of powers, in seconds.
+const SECONDS_PER_WORK: f64 = 60e-9;
 
 /// Measures of patterns of rotations: `rotations --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -38,7 +44,7 @@ pub(crate) struct MeasuresRecord {
     covering_radius_degrees: f64,
     /// The largest degree up to which all functions have their means over SO(3), in every realization.
     exact_degree: usize,
-    /// The power of each degree, from 0; 1 for independent uniform rotations.
+    /// The power of each degree, from 0; 1 for independent uniform rotations, 0 up to the exact degree.
     power: Vec<f64>,
     /// The standard errors of the powers; null for a single realization.
     power_stderr: Option<Vec<f64>>,
@@ -47,6 +53,10 @@ pub(crate) struct MeasuresRecord {
     /// The root mean square error of the mean over a randomly rotated set, relative to the mean over SO(3);
     /// null without --kappa.
     error: Option<f64>,
+    /// The standard error of `error` over realizations; null for a single realization and without --kappa.
+    error_stderr: Option<f64>,
+    /// The expected error of n independent uniform rotations; null without --kappa.
+    error_of_uniform: Option<f64>,
 }
 
 impl MeasuresRecord {
@@ -59,8 +69,7 @@ impl MeasuresRecord {
     ) -> Result<Self, CliError> {
         let sampler = case.pattern.to_string();
         progress.stage(&sampler);
-        // No measure depends on a rotation of the set.
-        let realizations = if case.sampler.is_random() { args.realizations } else { 1 };
+        let realizations = measured_sets(&*case.sampler, args);
         let ensemble = case.ensemble(args, global);
         let mut set = RotationSet::default();
         let (mut separation, mut covering) = (Moments::default(), Moments::default());
@@ -80,6 +89,12 @@ impl MeasuresRecord {
                 squared_error.push(error.map_err(CliError::failed)?.powi(2));
             }
         }
+        // Up to the exact degree the powers are rounding errors.
+        let power = powers
+            .iter()
+            .enumerate()
+            .map(|(l, power)| if (1..=exact_degree).contains(&l) { 0.0 } else { power.mean() });
+        let error = args.kappa.map(|_| squared_error.mean().sqrt());
         Ok(Self {
             sampler,
             n: case.sampler.n_points(),
@@ -89,13 +104,54 @@ impl MeasuresRecord {
                 .then(|| separation.mean().to_degrees()),
             covering_radius_degrees: covering.mean().to_degrees(),
             exact_degree,
-            power: powers.iter().map(Moments::mean).collect(),
+            power: power.collect(),
             power_stderr: (realizations > 1)
                 .then(|| powers.iter().map(Moments::standard_error).collect()),
             kappa: args.kappa,
-            error: args.kappa.map(|_| squared_error.mean().sqrt()),
+            error,
+            // That of the square, divided by the derivative of the square.
+            error_stderr: error
+                .filter(|error| realizations > 1 && *error > 0.0)
+                .map(|error| squared_error.standard_error() / (2.0 * error)),
+            error_of_uniform: args
+                .kappa
+                .map(|kappa| error_of_uniform(kappa, case.sampler.n_points())),
         })
     }
+}
+
+/// Returns the expected root mean square error of the mean of the function of `--kappa` over
+/// independent uniform rotations, relative to its mean over SO(3).
+fn error_of_uniform(kappa: f64, n: usize) -> f64 {
+    // The square of the function is that of twice the concentration.
+    let mean =
+        |kappa: f64| matrix_fisher_coefficients(kappa, 0).first().copied().unwrap_or(f64::NAN);
+    ((mean(2.0 * kappa) / mean(kappa).powi(2) - 1.0).max(0.0) / n as f64).sqrt()
+}
+
+/// Returns the nominal work of the powers of a set for the powers that are shown and for errors.
+fn work_of_powers(n: usize, args: &RotationsArgs, lmax: usize) -> f64 {
+    // Energies decrease as exp(-l^2/kappa): beyond this degree they are below 1e-20.
+    let degree = |kappa: f64| 10 + (6.8 * kappa.sqrt()).ceil() as usize;
+    let errors = args.kappa.map(|kappa| RotationQuality::nominal_work(n, degree(kappa)));
+    RotationQuality::nominal_work(n, lmax) + errors.unwrap_or(0.0)
+}
+
+/// Returns the number of sets of a pattern that are measured.
+fn measured_sets(sampler: &dyn RotationSampler, args: &RotationsArgs) -> u64 {
+    // No measure depends on a rotation of the set.
+    if sampler.is_random() { args.realizations } else { 1 }
+}
+
+/// Returns the expected time of the measures of a pattern, in seconds.
+pub(super) fn expected_seconds(
+    sampler: &dyn RotationSampler,
+    args: &RotationsArgs,
+    lmax: usize,
+) -> f64 {
+    let n = sampler.n_points();
+    let powers = SECONDS_PER_WORK * work_of_powers(n, args, lmax);
+    measured_sets(sampler, args) as f64 * (SECONDS_PER_ROTATION * n as f64 + powers)
 }
 
 /// Returns the nominal work of the measures of a pattern.
@@ -104,9 +160,8 @@ pub(super) fn nominal_work(
     args: &RotationsArgs,
     lmax: usize,
 ) -> f64 {
-    let count = if sampler.is_random() { args.realizations } else { 1 };
     let n = sampler.n_points();
-    count as f64 * (n as f64 + RotationQuality::nominal_work(n, lmax))
+    measured_sets(sampler, args) as f64 * (n as f64 + work_of_powers(n, args, lmax))
 }
 
 impl MeasuresBody {
@@ -116,7 +171,7 @@ impl MeasuresBody {
         let headings: Vec<String> =
             (1..=degrees.min(SHOWN_DEGREES)).map(|l| format!("P({l})")).collect();
         let mut columns = vec![
-            Column::text("rotations", |row: &MeasuresRecord| row.sampler.clone()),
+            Column::text("sampler", |row: &MeasuresRecord| row.sampler.clone()),
             Column::number("N", |row: &MeasuresRecord| row.n.to_string()),
             Column::number("separation", |row: &MeasuresRecord| {
                 number::optional(row.separation_degrees, number::value)
@@ -140,7 +195,38 @@ impl MeasuresBody {
                 number::optional(row.error, number::percent)
             }));
         }
+        if self.rows.iter().any(|row| row.error_stderr.is_some()) {
+            columns.push(Column::number("+-", |row: &MeasuresRecord| {
+                number::optional(row.error_stderr, number::percent)
+            }));
+        }
         let table = table_of(&columns, &self.rows);
-        format!("{table}\nangles in degrees; -o FILE writes the rotations\n")
+        let best = self.min_errors();
+        format!("{table}\nangles in degrees; -o FILE writes the rotations\n{best}")
+    }
+
+    /// Returns a line for each number of rotations with the sampler of the least error.
+    fn min_errors(&self) -> String {
+        let mut counts: Vec<usize> = self.rows.iter().map(|row| row.n).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        counts.into_iter().filter_map(|n| self.min_error(n)).collect()
+    }
+
+    /// Returns the line of the sampler of the least error with `n` rotations; `None` without errors, and where
+    /// the function is constant.
+    fn min_error(&self, n: usize) -> Option<String> {
+        let errors = self.rows.iter().filter(|row| row.n == n);
+        let errors = errors.filter_map(|row| Some((row, row.error?, row.error_of_uniform?)));
+        let (row, error, uniform) = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ratio = uniform / error;
+        (uniform > 0.0 && ratio.is_finite()).then(|| {
+            let sampler = &row.sampler;
+            let (ratio, error, uniform) =
+                (number::ratio(ratio), number::percent(error), number::percent(uniform));
+            format!(
+                "N = {n}: the least error is that of {sampler}, {error}; independent uniform rotations have {uniform} on average, {ratio} times as much\n"
+            )
+        })
     }
 }

@@ -9,7 +9,9 @@ use sphvar_samplers::RotationSet;
 
 use super::{Case, RotationsArgs};
 use crate::error::CliError;
-use crate::files::{AtomicFile, RotationFormat, is_stdout, is_stream, write_rotations};
+use crate::files::{
+    AtomicFile, RotationFile, RotationFormat, is_stdout, is_stream, write_rotations,
+};
 use crate::global::Global;
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, lower_extension, write_text};
@@ -81,8 +83,18 @@ impl WrittenSets {
             let text = serde_json::to_string(&Document::new(&body, provenance));
             write_text(path, &(text.map_err(CliError::failed)? + "\n"))?;
         } else if !(to_stdout && global.json) {
-            let is_npy = lower_extension(path).as_deref() == Some("npy");
-            write_rotations(path, is_npy, self.format, &self.sets)?;
+            let file = match lower_extension(path).as_deref() {
+                Some("npy") => RotationFile::Npy,
+                Some("npz") => RotationFile::Npz,
+                _ => RotationFile::Csv,
+            };
+            if file == RotationFile::Npy && self.has_weights() {
+                let path = path.display();
+                return Err(CliError::Usage(format!(
+                    "{path}: an .npy array of rotations has no weights; write .npz, .csv or .json"
+                )));
+            }
+            write_rotations(path, file, self.format, &self.sets)?;
         }
         if global.json {
             return Document::new(&self.body(to_stdout), provenance).print();
@@ -90,11 +102,15 @@ impl WrittenSets {
         Ok(())
     }
 
+    /// Returns whether the rotations have weights.
+    fn has_weights(&self) -> bool {
+        self.sets.iter().any(|set| !set.weights.is_empty())
+    }
+
     /// Returns the document, with the rotations or without.
     fn body(&self, is_whole: bool) -> RotationSetsBody {
         let numbers =
             |set: &RotationSet| set.points.iter().map(|q| self.format.numbers(*q)).collect();
-        let has_weights = self.sets.iter().any(|set| !set.weights.is_empty());
         RotationSetsBody {
             sampler: self.sampler.clone(),
             n: self.sets.first().map_or(0, RotationSet::len),
@@ -102,7 +118,7 @@ impl WrittenSets {
             format: self.format,
             columns: self.format.columns().to_vec(),
             rotations: is_whole.then(|| self.sets.iter().map(numbers).collect()),
-            weights: (is_whole && has_weights)
+            weights: (is_whole && self.has_weights())
                 .then(|| self.sets.iter().map(|set| set.weights.clone()).collect()),
         }
     }
@@ -111,12 +127,12 @@ impl WrittenSets {
 /// Returns an error for a file that could not be written, before the work starts.
 fn check(path: &Path) -> Result<(), CliError> {
     let extension = lower_extension(path);
-    let is_known = matches!(extension.as_deref(), Some("csv" | "npy" | "json"))
+    let is_known = matches!(extension.as_deref(), Some("csv" | "npy" | "npz" | "json"))
         || extension.is_none() && is_stream(path);
     if !is_known {
         let path = path.display();
         return Err(CliError::Usage(format!(
-            "{path}: rotations are written as .csv, .npy or .json"
+            "{path}: rotations are written as .csv, .npy, .npz or .json"
         )));
     }
     Ok(AtomicFile::check(path)?)

@@ -1,21 +1,17 @@
 //! Writes point sets as CSV, NPY, NPZ or PLY.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use sphvar_samplers::PointSet;
-use zip::CompressionMethod;
-use zip::write::{SimpleFileOptions, ZipWriter};
 
 use super::format::PointFormat;
 use super::space::FilePoint;
+use crate::files::array_archive::ArrayArchive;
 use crate::files::atomic::AtomicFile;
 use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
 use crate::files::target::is_stream;
-
-/// Archives from this size on need 64-bit lengths.
-const MAX_SMALL_ENTRY: u64 = 0xffff_ffff;
 
 /// Writes point sets in the format of the extension; `-` is standard output, as CSV.
 ///
@@ -142,18 +138,13 @@ impl<P: FilePoint> PointTable<'_, P> {
 
     fn write_archive(&self, out: &mut impl Write) -> io::Result<()> {
         let numbers: u64 = self.sets.iter().map(|set| Self::DIMENSION * set.len() as u64).sum();
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .large_file(8 * numbers + 1024 >= MAX_SMALL_ENTRY);
-        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-        archive.start_file("points.npy", options)?;
-        self.write_array(&mut archive)?;
+        let mut archive = ArrayArchive::new(numbers);
+        self.write_array(archive.start("points")?)?;
         if self.has_weights {
-            archive.start_file("weights.npy", options)?;
             let weights = self.sets.iter().flat_map(|set| self.rows(set)).filter_map(|row| row.1);
-            write_npy(&mut archive, "<f8", &self.shape(), weights)?;
+            write_npy(archive.start("weights")?, "<f8", &self.shape(), weights)?;
         }
-        out.write_all(&archive.finish()?.into_inner())
+        archive.write(out)
     }
 
     fn write_ply(&self, out: &mut impl Write, provenance: Option<&str>) -> io::Result<()> {
