@@ -21,6 +21,8 @@ const CURVE_WORK: f64 = 8.0;
 const FIRST: u64 = 8;
 /// The maximum number of realizations whose variances are in memory at a time.
 const BATCH: u64 = 256;
+/// An error relative to the variance that rounding of the sums over points can produce.
+const ROUNDING: f64 = 1e-12;
 /// The maximum number of realizations whose spectra decide about the errors of tails.
 const MAX_TRANSFORMED: usize = 8;
 
@@ -43,9 +45,18 @@ enum Kind<'s, P> {
     Sampled(u64),
 }
 
+/// The variances with some realizations.
+pub(super) struct Drawn<P> {
+    /// Of the variances and of their tails, for each number of points.
+    moments: Vec<[Moments; 2]>,
+    /// The first realizations.
+    transformed: Vec<PointSet<P>>,
+    count: u64,
+}
+
 /// The errors that the spectra of a prefix show.
 #[derive(Clone, Copy, Debug)]
-struct Checkpoint {
+pub(super) struct Checkpoint {
     n_points: usize,
     /// The error of the tail relative to the tail.
     tail_error: f64,
@@ -86,27 +97,43 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
     /// Returns the maximum nominal work of the predictions.
     pub(super) fn work(&self, predictor: &mut PredictorOn<'_, S>) -> Result<f64, Error> {
         let n_points = self.counts.last().copied().unwrap_or(0);
-        let realization = S::nominal_work(self.sampler).max(0.0);
-        let sums = self.variances.work(n_points);
-        let (sets, each) = match &self.kind {
-            Kind::Fixed => (1, realization + sums),
-            Kind::All(sets) => (sets.len() as u64, sums),
-            Kind::Sampled(max) => (*max, realization + sums),
-        };
-        let mut work = self.variances.preparation_work() + sets as f64 * each;
+        let mut work = self.preparation_work() + self.work_of_realizations();
         if self.has_errors(predictor) {
-            let transformed = sets.min(MAX_TRANSFORMED as u64) as f64;
             for n in checkpoints(n_points) {
-                work += S::with_prefix(self.sampler, n, self.group, |prefix| {
-                    if is_void::<S>(prefix) {
-                        return Ok(0.0);
-                    }
-                    let extent = S::checkpoint_extent(predictor, prefix)?;
-                    Ok(transformed * S::ticked_work(predictor.options(), n, &extent))
-                })?;
+                work += self.checkpoint_work(predictor, n)?;
             }
         }
         Ok(work)
+    }
+
+    /// Returns the maximum nominal work of all realizations.
+    pub(super) fn work_of_realizations(&self) -> f64 {
+        let n_points = self.counts.last().copied().unwrap_or(0);
+        let realization = S::nominal_work(self.sampler).max(0.0);
+        let sums = self.variances.work(n_points);
+        let each = if matches!(self.kind, Kind::All(_)) { sums } else { realization + sums };
+        self.max() as f64 * each
+    }
+
+    /// Returns the nominal work of the tables that all sets share.
+    pub(super) fn preparation_work(&self) -> f64 {
+        self.variances.preparation_work()
+    }
+
+    /// Returns the maximum nominal work of [`Self::checkpoint`].
+    pub(super) fn checkpoint_work(
+        &self,
+        predictor: &mut PredictorOn<'_, S>,
+        n_points: usize,
+    ) -> Result<f64, Error> {
+        let transformed = self.max().min(MAX_TRANSFORMED as u64) as f64;
+        S::with_prefix(self.sampler, n_points, self.group, |prefix| {
+            if is_void::<S>(prefix) {
+                return Ok(0.0);
+            }
+            let extent = S::checkpoint_extent(predictor, prefix)?;
+            Ok(transformed * S::ticked_work(predictor.options(), n_points, &extent))
+        })
     }
 
     /// Returns the predictions.
@@ -115,6 +142,24 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
         predictor: &mut PredictorOn<'_, S>,
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
+        let drawn = self.drawn(predictor, progress)?;
+        let mut errors = Vec::new();
+        if self.has_errors(predictor) {
+            for n_points in checkpoints(self.counts.last().copied().unwrap_or(0)) {
+                errors.extend(self.checkpoint(predictor, n_points, &drawn, progress)?);
+            }
+        }
+        let hidden = self.hidden_tail(predictor)?;
+        let points = self.points(predictor, &drawn, &errors, hidden);
+        Ok(ProgressiveCurve { points, realizations: drawn.count })
+    }
+
+    /// Returns the variances of as many realizations as the budget requires.
+    pub(super) fn drawn(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+        progress: &dyn Progress,
+    ) -> Result<Drawn<S::Point>, Error> {
         self.variances.prepare(progress)?;
         let mut moments = vec![[Moments::default(), Moments::default()]; self.counts.len()];
         let mut transformed = Vec::new();
@@ -147,14 +192,24 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
             }
             next = (2 * count).min(max);
         }
-        let errors = self.checkpoints(predictor, &transformed, progress)?;
-        let hidden = self.hidden_tail(predictor)?;
-        let points = self.counts.iter().zip(&moments).map(|(&n_points, moments)| {
-            let mut prediction = self.prediction(predictor, moments, at(&errors, n_points));
-            prediction.tail_error += hidden / n_points as f64;
+        Ok(Drawn { moments, transformed, count })
+    }
+
+    /// Returns the predictions from realizations, the errors of some numbers of points and the part
+    /// of [`Self::hidden_tail`].
+    pub(super) fn points(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+        drawn: &Drawn<S::Point>,
+        errors: &[Checkpoint],
+        hidden: f64,
+    ) -> Vec<ProgressivePoint> {
+        let point = |(&n_points, moments): (&usize, &[Moments; 2])| {
+            let hidden = hidden / n_points as f64;
+            let prediction = self.prediction(predictor, moments, at(errors, n_points), hidden);
             ProgressivePoint { n_points, prediction, measurement: None }
-        });
-        Ok(ProgressiveCurve { points: points.collect(), realizations: count })
+        };
+        self.counts.iter().zip(&drawn.moments).map(point).collect()
     }
 
     /// Returns the number of realizations at most.
@@ -197,44 +252,38 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
     }
 
     /// Returns whether the predictions have errors that the sums of prefixes do not show.
-    fn has_errors(&self, predictor: &PredictorOn<'_, S>) -> bool {
+    pub(super) fn has_errors(&self, predictor: &PredictorOn<'_, S>) -> bool {
         self.variances.has_tail() || predictor.energy().errors().is_some()
     }
 
-    /// Returns the errors of prefixes whose numbers of points are powers of two, and of the longest
-    /// one, by the rules of single predictions.
-    fn checkpoints(
+    /// Returns the errors of the prefix with `n_points` points by the rules of single predictions;
+    /// `None` if it estimates nothing.
+    pub(super) fn checkpoint(
         &self,
         predictor: &mut PredictorOn<'_, S>,
-        sets: &[PointSet<S::Point>],
+        n_points: usize,
+        drawn: &Drawn<S::Point>,
         progress: &dyn Progress,
-    ) -> Result<Vec<Checkpoint>, Error> {
-        if !self.has_errors(predictor) {
-            return Ok(Vec::new());
+    ) -> Result<Option<Checkpoint>, Error> {
+        let sets = truncated(&drawn.transformed, n_points);
+        if sets.iter().any(|set| set.n_effective() <= 0.0) {
+            return Ok(None);
         }
-        let mut all = Vec::new();
-        for n_points in checkpoints(self.counts.last().copied().unwrap_or(0)) {
-            let sets = truncated(sets, n_points);
-            if sets.iter().any(|set| set.n_effective() <= 0.0) {
-                continue;
-            }
-            let extent = S::with_prefix(self.sampler, n_points, self.group, |prefix| {
-                S::checkpoint_extent(predictor, prefix)
-            })?;
-            let of = predict_from_sets(predictor, n_points, &extent, &sets, progress)?;
-            let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-            all.push(Checkpoint {
-                n_points,
-                tail_error: ratio(of.tail_error, of.tail),
-                energy_error: ratio(of.energy_stderr, of.variance),
-            });
-        }
-        Ok(all)
+        let extent = S::with_prefix(self.sampler, n_points, self.group, |prefix| {
+            S::checkpoint_extent(predictor, prefix)
+        })?;
+        let of = predict_from_sets(predictor, n_points, &extent, &sets, progress)?;
+        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        Ok(Some(Checkpoint {
+            n_points,
+            tail_error: ratio(of.tail_error, of.tail),
+            energy_error: ratio(of.energy_stderr, of.variance),
+        }))
     }
 
     /// Returns the part of the variance that rounding of the energies hides, times the number of
     /// points.
-    fn hidden_tail(&self, predictor: &mut PredictorOn<'_, S>) -> Result<f64, Error> {
+    pub(super) fn hidden_tail(&self, predictor: &mut PredictorOn<'_, S>) -> Result<f64, Error> {
         let n_points = self.counts.last().copied().unwrap_or(0);
         S::with_prefix(self.sampler, n_points, self.group, |prefix| {
             if is_void::<S>(prefix) {
@@ -250,6 +299,7 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
         predictor: &PredictorOn<'_, S>,
         [variance, tail]: &[Moments; 2],
         errors: [f64; 2],
+        hidden: f64,
     ) -> Prediction {
         let (is_random, mean) = (matches!(self.kind, Kind::Sampled(_)), variance.mean());
         if mean.is_nan() {
@@ -257,15 +307,17 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
         }
         let is_visible = mean > predictor.rounding();
         let spectral = if is_random { variance.standard_error() } else { 0.0 };
+        // Realizations with the same variance differ by rounding.
+        let visible = |error: f64| if error <= ROUNDING * mean { 0.0 } else { error };
         Prediction {
             variance: if is_visible { mean } else { 0.0 },
-            stderr: if is_visible { spectral } else { 0.0 },
+            stderr: if is_visible { visible(spectral) } else { 0.0 },
             energy_stderr: 0.0,
             tail: tail.mean(),
-            tail_error: errors[0] * tail.mean(),
+            tail_error: visible(errors[0] * tail.mean() + hidden),
             dof: if is_random { variance.count().saturating_sub(1) as f64 } else { f64::INFINITY },
         }
-        .with_energy_stderr(errors[1] * mean)
+        .with_energy_stderr(visible(errors[1] * mean))
     }
 }
 

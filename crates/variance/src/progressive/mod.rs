@@ -12,6 +12,7 @@ mod space;
 mod sphere_variances;
 mod square_variances;
 mod warped;
+mod whole_sets;
 
 pub use factors::Factors;
 pub use measurement::PrefixMeasurement;

@@ -3,7 +3,7 @@ use sphvar_samplers::{Domain, Progress};
 use super::measurement::PrefixTrials;
 use super::prefixes::{KnownVariances, Prefixes, check_counts, unknown};
 use super::space::{ProgressiveSpace, is_homogeneous};
-use super::{ProgressiveCurve, Randomized};
+use super::{ProgressiveCurve, ProgressivePoint, Randomized};
 use crate::estimates::trial_work_of;
 use crate::{Error, PredictorOn};
 
@@ -66,6 +66,32 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
         self.prefixes().predict(sampler, group, counts, progress)
+    }
+
+    /// Returns the predicted variances of whole sets of samplers in increasing order of their numbers
+    /// of points, uniformly rotated, on the square shifted. They agree with those of
+    /// [`PredictorOn::predict`](crate::PredictorOn::predict) within their errors; a set of N points costs
+    /// about N^2/2 values of the kernel that prefixes have, less than a spectrum. Ticks at most
+    /// [`Self::work_of_sets`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`PredictorOn::predict`](crate::PredictorOn::predict).
+    pub fn predict_sets(
+        &mut self,
+        samplers: &[S::SamplerRef<'_>],
+        progress: &dyn Progress,
+    ) -> Result<Vec<ProgressivePoint>, Error> {
+        self.prefixes().of_sets(samplers, progress)
+    }
+
+    /// Returns the maximum nominal work of [`Self::predict_sets`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict_sets`] that occur without a realization.
+    pub fn work_of_sets(&mut self, samplers: &[S::SamplerRef<'_>]) -> Result<f64, Error> {
+        self.prefixes().work_of_sets(samplers)
     }
 
     fn prefixes(&mut self) -> Prefixes<'_, 'a, S> {

@@ -39,11 +39,21 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
         check_counts(counts, S::n_points(sampler))?;
-        match self.route(sampler, group, counts)? {
-            Route::Flat => Ok(self.flat(counts)),
+        let mut curve = match self.route(sampler, group, counts)? {
+            Route::Flat => return Ok(self.flat(counts)),
             Route::Together(estimate) => estimate.curve(self.predictor, progress),
             Route::Single => self.singly(sampler, group, counts, progress),
+        }?;
+        // A single rotated or shifted point is uniform.
+        let options = self.predictor.options();
+        let is_left_open = options.realizations.is_none() && options.lmax.is_none();
+        if let Some(first) = curve.points.first_mut()
+            && (first.n_points, is_left_open) == (1, true)
+            && !first.prediction.is_unknown()
+        {
+            first.prediction = self.predictor.flat_prediction(1);
         }
+        Ok(curve)
     }
 
     /// Returns the maximum nominal work of the predictions.
@@ -99,7 +109,7 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
 
     /// Returns the sums over the points of sets up to the last count, which do not depend on the
     /// sampler otherwise.
-    fn variances(
+    pub(super) fn variances(
         &mut self,
         sampler: S::SamplerRef<'_>,
         group: usize,

@@ -38,13 +38,15 @@ computed from the power spectra of its prefixes. Measurements are from independe
 one realization. Tables and plots have standard errors, the square roots of the variances in files and --json.
 
 factor is the standard error divided by that of the reference with as many points, a pattern that is made for each N: what it costs that \
-more points can follow. The reference is predicted at the N of the table, as variance predicts it, and interpolated between them; \
-of several reference patterns the best is used at every N, at their valid counts. Tables show some of \
+more points can follow. A pattern that has no set of N points has the largest one below; of several patterns the best is used at every N. \
+Nothing is interpolated. A list has a factor at every N. With every prefix, patterns of a fixed set that is quickly made are predicted at every N to 256, \
+then about every 4 %, others at the powers of 2 and halfway between; other N have no factor. Tables show some of \
 the N, files all of them.
 
 Different randomizations of a sequence are different samplers: sobol,sobol:randomization=digital compares Owen scrambling \
 and digital shifts, each followed by a rotation. --no-rotate leaves out the rotation, or on the square the shift: nothing predicts the error then, unless \
-the points are uniform and independent by themselves, and that of a deterministic sequence is the error of one estimate.";
+the points are uniform and independent by themselves, and that of a deterministic sequence is the error of one estimate. \
+There is no factor then: the reference is predicted over rotations.";
 
 #[derive(Debug, Args)]
 #[command(

@@ -5,7 +5,7 @@
 pub(super) struct Prefixes {
     /// The numbers of points at which the error is computed, in increasing order.
     pub(super) computed: Vec<usize>,
-    /// Those at which references are predicted, from which rates are fitted, and which tables show.
+    /// Those from which rates are fitted, and which tables show.
     pub(super) shown: Vec<usize>,
     /// Whether the numbers are the user's own, so that tables show all of them.
     pub(super) are_listed: bool,
@@ -14,6 +14,9 @@ pub(super) struct Prefixes {
 /// The maximum number of points up to which the error is computed at every prefix: the work grows with
 /// its square.
 pub(super) const MAX_EVERY: usize = 20_000;
+
+/// The number of points up to which every prefix is compared with a reference.
+const EVERY_COMPARED: usize = 256;
 
 /// The maximum number of prefixes that are shown, unless the user lists more.
 const MAX_SHOWN: usize = 40;
@@ -42,6 +45,22 @@ impl Prefixes {
         let shown = spaced(max);
         let computed = if max <= MAX_EVERY { (1..=max).collect() } else { shown.clone() };
         Some(Self { computed, shown, are_listed: false })
+    }
+
+    /// Returns the prefixes that are compared with inexpensive references: those that are shown, all up
+    /// to [`EVERY_COMPARED`], and beyond it some about 4 % apart.
+    pub(super) fn compared(&self) -> Vec<usize> {
+        if self.are_listed || self.has_gaps() {
+            return self.shown.clone();
+        }
+        let max = self.computed.len();
+        let mut all: Vec<usize> = (1..=max.min(EVERY_COMPARED)).collect();
+        let next = |n: &usize| Some(n + n / 25);
+        all.extend(std::iter::successors(Some(EVERY_COMPARED), next).take_while(|&n| n < max));
+        all.extend(&self.shown);
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
     /// Returns whether prefixes are left out that the user did not leave out.
@@ -107,6 +126,17 @@ mod tests {
         assert!(large.has_gaps() && !prefixes(&[9], None).has_gaps());
         assert!(large.shown.len() <= MAX_SHOWN && large.shown.ends_with(&[2_097_152, 3_000_000]));
         assert!(prefixes(&[usize::MAX], None).shown.len() <= 2 * MAX_SHOWN);
+    }
+
+    #[test]
+    fn many_prefixes_are_compared() {
+        let few = prefixes(&[40], None);
+        assert_eq!(few.compared(), few.computed);
+        let all = prefixes(&[4096], None).compared();
+        assert_eq!(all[..256], (1..=256).collect::<Vec<_>>());
+        assert!(all.ends_with(&[4096]) && all.len() < 400, "{all:?}");
+        assert!(all.windows(2).all(|pair| pair[1] - pair[0] <= 1 + pair[0] / 25), "{all:?}");
+        assert_eq!(prefixes(&[9, 5], None).compared(), [5, 9]);
     }
 
     #[test]

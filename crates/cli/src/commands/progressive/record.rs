@@ -41,8 +41,8 @@ pub(crate) struct PrefixRecord {
     pub(super) mean: Option<f64>,
     /// The standard error of `mean`.
     pub(super) mean_stderr: Option<f64>,
-    /// The predicted or, without a prediction, measured standard error divided by that of the
-    /// reference with as many points, which is interpolated between the rows of `reference`.
+    /// The predicted standard error divided by that of the reference with as many points, or the
+    /// most below that it has; null at numbers of points without a prediction of the reference.
     pub(super) factor: Option<f64>,
 }
 
@@ -80,7 +80,7 @@ impl PrefixRecord {
 
     /// Returns the ratio of standard errors to that of a reference.
     pub(super) fn factor_to(&self, reference: Option<f64>) -> Option<f64> {
-        let factor = (self.variance()? / reference?).sqrt();
+        let factor = (self.predicted? / reference?).sqrt();
         Some(factor).filter(|factor| factor.is_finite())
     }
 
@@ -145,9 +145,11 @@ pub(crate) struct SequenceRecord {
     pub(super) first_n: usize,
     /// The factor of the longest prefix.
     pub(super) factor: Option<f64>,
-    /// The geometric mean of the factors of all prefixes from `first_n` on.
+    /// The number of factors from `first_n` on.
+    pub(super) factors: usize,
+    /// Their geometric mean.
     pub(super) mean_factor: Option<f64>,
-    /// The largest factor of a prefix from `first_n` on.
+    /// The largest of them.
     pub(super) worst_factor: Option<f64>,
     /// The number of points of the prefix with the largest factor.
     pub(super) worst_n: Option<usize>,
@@ -187,7 +189,7 @@ pub(crate) struct ReferenceRecord {
     pub(super) integrand: String,
     /// The number of points.
     pub(super) n: usize,
-    /// The predicted variance of the integral, as `variance` predicts it.
+    /// The predicted variance of the integral, within its errors that of `variance`.
     #[schemars(with = "Option<f64>")]
     pub(super) predicted: f64,
     /// The standard error of `predicted`, with the error due to degrees beyond the spectrum.

@@ -2,9 +2,10 @@
 
 use sphvar_samplers::Progress;
 use sphvar_variance::{
-    IntegrationSpace, PredictedVariance, PredictorOn, VariancePoint, interpolate_variance,
+    IntegrationSpace, PredictedVariance, ProgressivePredictor, ProgressiveSpace, VariancePoint,
 };
 
+use super::prefixes::Prefixes;
 use super::record::ReferenceRecord;
 use crate::error::CliError;
 use crate::patterns::{self, PredictedPattern, SamplerName, SamplerRef, parse_patterns};
@@ -17,13 +18,16 @@ pub(super) struct ReferencePattern<P: PredictedPattern> {
     pub(super) name: SamplerName,
     /// By number of points, which are distinct.
     samplers: Vec<Box<P::Sampler>>,
+    /// Whether they are predicted together, at many numbers of points.
+    pub(super) is_together: bool,
 }
 
 impl<P: PredictedPattern> ReferencePattern<P> {
-    /// Returns the patterns of a list, none for `none`, at their valid counts nearest to `counts`.
+    /// Returns the patterns of a list, none for `none`, at their largest valid counts up to each of
+    /// `counts`.
     pub(super) fn all(
         text: &str,
-        counts: &[usize],
+        counts: &ReferenceCounts,
         space: P::Space,
         quiet: bool,
     ) -> Result<Vec<Self>, CliError> {
@@ -34,34 +38,105 @@ impl<P: PredictedPattern> ReferencePattern<P> {
         patterns.iter().map(|pattern| Self::new(pattern, counts, space)).collect()
     }
 
-    fn new(pattern: &P, counts: &[usize], space: P::Space) -> Result<Self, CliError> {
-        let mut valid: Vec<usize> =
-            counts.iter().map(|&n| pattern.nearest_count(n, space)).collect();
-        valid.sort_unstable();
-        valid.dedup();
-        let build = |&n: &usize| patterns::build(pattern, n, space, true);
-        let samplers = valid.iter().map(build).collect::<Result<_, _>>()?;
-        Ok(Self { name: SamplerName::of(pattern), samplers })
+    fn new(pattern: &P, counts: &ReferenceCounts, space: P::Space) -> Result<Self, CliError> {
+        let build = |counts: &[usize]| -> Result<Vec<_>, CliError> {
+            let valid = counts.iter().filter_map(|&n| largest_count(pattern, n, space));
+            let mut valid: Vec<usize> = valid.collect();
+            valid.dedup();
+            valid.iter().map(|&n| patterns::build(pattern, n, space, true)).collect()
+        };
+        let few = build(&counts.few)?;
+        let is_inexpensive = few.last().is_some_and(|sampler| {
+            let sampler = P::Space::sampler(sampler);
+            let work = P::Space::nominal_work(sampler);
+            let is_fixed = !P::Space::distribution(sampler).is_random();
+            is_fixed && work <= P::Space::n_points(sampler) as f64
+        });
+        let is_together = counts.many.is_some() && is_inexpensive;
+        let samplers = match &counts.many {
+            Some(many) if is_together => build(many)?,
+            _ => few,
+        };
+        Ok(Self { name: SamplerName::of(pattern), samplers, is_together })
     }
 
-    fn samplers(&self) -> impl Iterator<Item = SamplerRef<'_, P>> {
-        self.samplers.iter().map(|sampler| P::Space::sampler(sampler))
+    fn samplers(&self) -> Vec<SamplerRef<'_, P>> {
+        self.samplers.iter().map(|sampler| P::Space::sampler(sampler)).collect()
     }
+}
 
+impl<P: PredictedPattern<Space: ProgressiveSpace>> ReferencePattern<P> {
     /// Returns the maximum nominal work of the predictions.
-    pub(super) fn work(&self, predictor: &mut PredictorOn<'_, P::Space>) -> Result<f64, CliError> {
-        self.samplers().map(|sampler| Ok(predictor.work(sampler)?)).sum()
+    pub(super) fn work(
+        &self,
+        predictor: &mut ProgressivePredictor<'_, P::Space>,
+    ) -> Result<f64, CliError> {
+        let samplers = self.samplers();
+        if self.is_together {
+            return Ok(predictor.work_of_sets(&samplers)?);
+        }
+        samplers.into_iter().map(|sampler| Ok(predictor.of_sets().work(sampler)?)).sum()
     }
 
     /// Returns the predicted variances at all numbers of points.
     pub(super) fn curve(
         &self,
-        predictor: &mut PredictorOn<'_, P::Space>,
+        predictor: &mut ProgressivePredictor<'_, P::Space>,
         progress: &dyn Progress,
     ) -> Result<ReferenceCurve, CliError> {
-        let predict = |sampler| Ok(predictor.predict(sampler, progress)?.variance_point());
-        let points = self.samplers().map(predict).collect::<Result<_, CliError>>()?;
+        let samplers = self.samplers();
+        let points = if self.is_together {
+            let points = predictor.predict_sets(&samplers, progress)?;
+            points.iter().map(PredictedVariance::variance_point).collect()
+        } else {
+            let predict =
+                |sampler| Ok(predictor.of_sets().predict(sampler, progress)?.variance_point());
+            samplers.into_iter().map(predict).collect::<Result<_, CliError>>()?
+        };
         Ok(ReferenceCurve { name: self.name.clone(), points })
+    }
+}
+
+/// Returns the largest valid number of points up to `n`.
+fn largest_count<P: PredictedPattern>(pattern: &P, n: usize, space: P::Space) -> Option<usize> {
+    let nearest = |n: usize| pattern.nearest_count(n, space);
+    // The nearest valid number does not decrease with n: of the numbers up to n, the last one whose
+    // nearest number is not larger than n.
+    let (mut low, mut high) = (0, n);
+    if nearest(n) <= n {
+        return Some(nearest(n));
+    }
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if nearest(middle) <= n { low = middle } else { high = middle }
+    }
+    (low > 0).then(|| nearest(low))
+}
+
+/// The numbers of points at which sequences are compared with references.
+pub(super) struct ReferenceCounts {
+    /// Those of every reference.
+    few: Vec<usize>,
+    /// Those of patterns whose sets are inexpensive, if every prefix is computed.
+    many: Option<Vec<usize>>,
+}
+
+impl ReferenceCounts {
+    /// Returns the numbers of points for sequences of some prefixes.
+    pub(super) fn of<'a>(prefixes: impl Iterator<Item = &'a Prefixes> + Clone) -> Self {
+        let union = |of: fn(&Prefixes) -> Vec<usize>| {
+            let mut all: Vec<usize> = prefixes.clone().flat_map(of).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        let is_every = prefixes.clone().any(|p| !p.are_listed && !p.has_gaps());
+        Self { few: union(|p| p.shown.clone()), many: is_every.then(|| union(Prefixes::compared)) }
+    }
+
+    /// Returns the numbers at which all references are predicted, if one of them is at many.
+    pub(super) fn all(&self, is_many: bool) -> Vec<usize> {
+        self.many.clone().filter(|_| is_many).unwrap_or_else(|| self.few.clone())
     }
 }
 
@@ -75,16 +150,18 @@ pub(super) struct ReferenceCurve {
 /// The predicted variances of all reference patterns.
 pub(super) struct Reference {
     pub(super) curves: Vec<ReferenceCurve>,
+    /// The numbers of points of the comparison, in increasing order.
+    pub(super) counts: Vec<usize>,
 }
 
 impl Reference {
-    /// Returns the least variance of a pattern with `n` points, interpolated between the numbers of
-    /// points of its predictions; `None` outside of these, and where all variances are 0.
+    /// Returns the least variance of the patterns with the largest number of points up to `n` that
+    /// they have; `None` if n is not compared, and where all variances are 0.
     pub(super) fn variance_at(&self, n: usize) -> Option<f64> {
+        self.counts.binary_search(&n).ok()?;
         let of_curve = |curve: &ReferenceCurve| {
-            let positive: Vec<VariancePoint> =
-                curve.points.iter().filter(|point| point.variance > 0.0).copied().collect();
-            interpolate_variance(&positive, n as f64)
+            let above = curve.points.partition_point(|point| point.n_points <= n as f64);
+            Some(curve.points[..above].last()?.variance).filter(|variance| *variance > 0.0)
         };
         self.curves.iter().filter_map(of_curve).reduce(f64::min)
     }

@@ -45,9 +45,9 @@ impl SequenceErrors {
         let rows: Vec<PrefixRecord> = curve.points.iter().map(record).collect();
         let n = rows.last().map_or(0, |row| row.n);
         let first_n = if n >= FIRST_N { FIRST_N } else { 1 };
-        let variances = || rows.iter().filter_map(|row| Some((row.n, row.variance()?)));
+        let variances = rows.iter().filter_map(|row| Some((row.n, row.predicted?)));
         let references = rows.iter().filter_map(|row| Some((row.n, reference.variance_at(row.n)?)));
-        let factors = Factors::of(variances(), references, first_n);
+        let factors = Factors::of(variances, references, first_n);
         let is_predicted = rows.iter().any(|row| row.predicted.is_some());
         let shown: Vec<VariancePoint> = curve
             .points
@@ -71,6 +71,7 @@ impl SequenceErrors {
             rate_interval: interval.filter(|ends| ends.0.is_finite() && ends.1.is_finite()),
             first_n,
             factor: rows.last().and_then(|row| row.factor),
+            factors: factors.map_or(0, |factors| factors.count),
             mean_factor: factors.map(|factors| factors.mean),
             worst_factor: factors.map(|factors| factors.worst),
             worst_n: factors.map(|factors| factors.worst_at),
@@ -104,6 +105,7 @@ fn remark(curve: &ProgressiveCurve) -> Option<&'static str> {
     }
     let is_unknown = curve.points.iter().any(|point| point.prediction.is_unknown());
     is_unknown.then_some(
-        "without rotations or shifts the sets are not homogeneous, so no spectrum predicts their variance",
+        "without rotations or shifts the sets are not homogeneous, so no spectrum predicts their variance; \
+            references are predicted over rotations or shifts, so there is no factor",
     )
 }

@@ -8,7 +8,7 @@ use sphvar_variance::{
 
 use super::ProgressiveArgs;
 use super::prefixes::{MAX_EVERY, Prefixes};
-use super::reference::{Reference, ReferencePattern};
+use super::reference::{Reference, ReferenceCounts, ReferencePattern};
 use super::sequence::{Sequence, SpaceSequence, with_all};
 use super::sequence_errors::{Origin, SequenceErrors};
 use super::text::Results;
@@ -83,6 +83,7 @@ struct Study<P: PredictedPattern> {
     space: P::Space,
     sequences: Vec<SpaceSequence<P>>,
     reference: Vec<ReferencePattern<P>>,
+    counts: ReferenceCounts,
     trials: PrefixTrials,
     quiet: bool,
 }
@@ -148,11 +149,11 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> Study<P> {
             );
             say(quiet, &text);
         }
-        let shown: Vec<usize> = prefixes().flat_map(|p| p.shown.iter().copied()).collect();
-        let reference = ReferencePattern::all(&args.reference, &shown, space, quiet)?;
+        let counts = ReferenceCounts::of(sequences.iter().map(SpaceSequence::prefixes));
+        let reference = ReferencePattern::all(&args.reference, &counts, space, quiet)?;
         let randomized = if args.no_rotate { Randomized::AsDrawn } else { Randomized::Rotated };
         let trials = PrefixTrials { count: args.realizations, randomized };
-        Ok(Self { space, sequences, reference, trials, quiet })
+        Ok(Self { space, sequences, reference, counts, trials, quiet })
     }
 
     /// Runs all integrals, with one progress bar.
@@ -172,7 +173,7 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> Study<P> {
     fn work(&self, integral: &mut IntegralPredictors<'_, P::Space>) -> Result<f64, CliError> {
         let mut work = 0.0;
         for pattern in &self.reference {
-            work += pattern.work(integral.own.of_sets())?;
+            work += pattern.work(&mut integral.own)?;
         }
         let mut warped = integral.warped.iter_mut();
         for sequence in &self.sequences {
@@ -195,11 +196,12 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> Study<P> {
         let mut curves = Vec::new();
         for pattern in &self.reference {
             progress.stage(&format!("reference {}", pattern.name.label));
-            let share = Share::new(progress, pattern.work(integral.own.of_sets())?);
-            curves.push(pattern.curve(integral.own.of_sets(), &share)?);
+            let share = Share::new(progress, pattern.work(&mut integral.own)?);
+            curves.push(pattern.curve(&mut integral.own, &share)?);
             share.finish().map_err(CliError::failed)?;
         }
-        let reference = Reference { curves };
+        let is_many = self.reference.iter().any(|pattern| pattern.is_together);
+        let reference = Reference { curves, counts: self.counts.all(is_many) };
         let mut warped = integral.warped.iter_mut();
         let mut sequences = Vec::new();
         for sequence in &self.sequences {

@@ -3,6 +3,7 @@
 use super::ProgressiveArgs;
 use super::chart::chart;
 use super::record::{PrefixRecord, ProgressiveBody, SequenceRecord};
+use super::reference::Reference;
 use super::sequence_errors::SequenceErrors;
 use super::study::IntegralErrors;
 use crate::error::CliError;
@@ -58,13 +59,17 @@ impl Results {
         chart(sequences, reference, &self.subject)
     }
 
+    fn are_listed(&self) -> bool {
+        self.integrals.iter().flat_map(|i| &i.sequences).all(|s| s.prefixes.are_listed)
+    }
+
     fn text(&self) -> String {
         let mut text = String::new();
         for integral in &self.integrals {
             let label = integral.name.label.as_ref();
             let of_label = label.map_or(String::new(), |label| format!(", {label}"));
             text += &format!("Standard errors of {}{of_label}\n\n", self.subject);
-            text += &tables(integral);
+            text += &tables(integral, self.are_listed());
         }
         text + &self.explanation()
     }
@@ -79,11 +84,21 @@ impl Results {
         };
         let mut text =
             format!("rate: exponent b of the {basis} variance ~ N^b, from N = {first_n}.\n");
-        let name = self.integrals.iter().find_map(|integral| integral.reference.name());
-        if let Some(name) = name {
+        let reference = self.integrals.iter().map(|integral| &integral.reference);
+        let name = reference.clone().find_map(Reference::name);
+        let has_factors =
+            self.integrals.iter().flat_map(|i| &i.sequences).any(|s| s.summary.factors > 0);
+        if let Some((name, counts)) =
+            name.zip(reference.map(|r| &r.counts).next()).filter(|_| has_factors)
+        {
+            let compared = counts.iter().filter(|n| **n >= first_n).count();
+            let which = match self.are_listed() {
+                true => "the listed N".to_owned(),
+                false => format!("{compared} of the N"),
+            };
             text += &format!(
-                "factor: standard error divided by that of {name} with N points; mean and worst over every prefix\n\
-                 from N = {first_n}.\n"
+                "factor: standard error divided by that of {name} with N points or the most below that it has; mean\n\
+                 and worst over {which} from {first_n}.\n"
             );
         }
         text
@@ -91,7 +106,7 @@ impl Results {
 }
 
 /// Returns the tables of one integral, its remarks, and the sequence with the least mean factor.
-fn tables(integral: &IntegralErrors) -> String {
+fn tables(integral: &IntegralErrors, are_listed: bool) -> String {
     let sequences = &integral.sequences;
     let name = integral.reference.name();
     let rows = sequences.iter().flat_map(|sequence| sequence.in_table(sequences.len()));
@@ -106,12 +121,17 @@ fn tables(integral: &IntegralErrors) -> String {
     let factors = summaries().filter_map(|s| Some((s, s.mean_factor?, s.worst_factor?)));
     let best = factors.min_by(|a, b| a.1.total_cmp(&b.1));
     if let (Some((best, mean, worst)), Some(name)) = (best, name) {
+        let at = match are_listed {
+            true => format!("the listed N from {}", best.first_n),
+            false => {
+                format!("{} numbers of points from {} to {}", best.factors, best.first_n, best.n)
+            }
+        };
         text += &format!(
-            "Least mean factor: {}, {} times the standard error of {name};\nat most {} times at every prefix from N = {}.\n",
+            "Least mean factor: {}, {} times the standard error of {name};\nat most {} times at {at}.\n",
             best.label,
             number::ratio(mean),
             number::ratio(worst),
-            best.first_n
         );
     }
     text
