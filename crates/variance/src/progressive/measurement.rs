@@ -161,7 +161,7 @@ impl PrefixMeasurement {
         let own = Self { variance: squares.mean(), is_about_exact: true, ..self };
         // The error of a set that does not vary is no estimate.
         if self.variance <= comparison.rounding {
-            return Self { stderr: 0.0, interval: None, ..own };
+            return Self { variance: 0.0, stderr: 0.0, interval: None, ..own };
         }
         let error = RelativeError::new(estimates.len(), squares.mean_stderr() / own.variance);
         Self {

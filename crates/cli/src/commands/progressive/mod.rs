@@ -39,8 +39,8 @@ one realization. Tables and plots have standard errors, the square roots of the 
 
 factor is the standard error divided by that of the reference with as many points, a pattern that is made for each N: what it costs that \
 more points can follow. A pattern that has no set of N points has the largest one below; of several patterns the best is used at every N. \
-Nothing is interpolated. A list has a factor at every N. With every prefix, patterns of a fixed set that is quickly made are predicted at every N to 256, \
-then about every 4 %, others at the powers of 2 and halfway between; other N have no factor. Tables show some of \
+Nothing is interpolated. A list has a factor at every N. With every prefix, patterns of fixed sets that are quickly made are predicted at every N to 256, \
+then about every 4 %, and lists with any other at the powers of 2 and halfway between; other N have no factor. Tables show some of \
 the N, files all of them.
 
 Different randomizations of a sequence are different samplers: sobol,sobol:randomization=digital compares Owen scrambling \

@@ -35,29 +35,32 @@ impl<P: PredictedPattern> ReferencePattern<P> {
             return Ok(Vec::new());
         }
         let patterns = parse_patterns::<P>(text, quiet)?;
-        patterns.iter().map(|pattern| Self::new(pattern, counts, space)).collect()
+        let all = patterns.iter().map(|pattern| Self::new(pattern, &counts.few, space));
+        let all: Vec<Self> = all.collect::<Result<_, _>>()?;
+        // All have the same numbers of points, or a smaller set would stand for a valid one.
+        let Some(many) = counts.many.as_ref().filter(|_| all.iter().all(Self::is_inexpensive))
+        else {
+            return Ok(all);
+        };
+        let together = |pattern| Ok(Self { is_together: true, ..Self::new(pattern, many, space)? });
+        patterns.iter().map(together).collect()
     }
 
-    fn new(pattern: &P, counts: &ReferenceCounts, space: P::Space) -> Result<Self, CliError> {
-        let build = |counts: &[usize]| -> Result<Vec<_>, CliError> {
-            let valid = counts.iter().filter_map(|&n| largest_count(pattern, n, space));
-            let mut valid: Vec<usize> = valid.collect();
-            valid.dedup();
-            valid.iter().map(|&n| patterns::build(pattern, n, space, true)).collect()
-        };
-        let few = build(&counts.few)?;
-        let is_inexpensive = few.last().is_some_and(|sampler| {
-            let sampler = P::Space::sampler(sampler);
-            let work = P::Space::nominal_work(sampler);
+    fn new(pattern: &P, counts: &[usize], space: P::Space) -> Result<Self, CliError> {
+        let valid = counts.iter().filter_map(|&n| largest_count(pattern, n, space));
+        let mut valid: Vec<usize> = valid.collect();
+        valid.dedup();
+        let build = |&n: &usize| patterns::build(pattern, n, space, true);
+        let samplers = valid.iter().map(build).collect::<Result<_, _>>()?;
+        Ok(Self { name: SamplerName::of(pattern), samplers, is_together: false })
+    }
+
+    /// Returns whether the pattern is a fixed set that takes no more work than its points.
+    fn is_inexpensive(&self) -> bool {
+        self.samplers().last().is_some_and(|&sampler| {
             let is_fixed = !P::Space::distribution(sampler).is_random();
-            is_fixed && work <= P::Space::n_points(sampler) as f64
-        });
-        let is_together = counts.many.is_some() && is_inexpensive;
-        let samplers = match &counts.many {
-            Some(many) if is_together => build(many)?,
-            _ => few,
-        };
-        Ok(Self { name: SamplerName::of(pattern), samplers, is_together })
+            is_fixed && P::Space::nominal_work(sampler) <= P::Space::n_points(sampler) as f64
+        })
     }
 
     fn samplers(&self) -> Vec<SamplerRef<'_, P>> {

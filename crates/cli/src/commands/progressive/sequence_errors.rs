@@ -54,6 +54,7 @@ impl SequenceErrors {
             .iter()
             .filter(|point| point.n_points >= first_n && prefixes.shown.contains(&point.n_points))
             .filter_map(variance_point)
+            .filter(|point| point.variance > 0.0)
             .collect();
         let fit = if is_predicted { fit_exact_rate(&shown) } else { fit_rate(&shown) };
         let interval = fit.map(|fit| fit.interval);
@@ -105,7 +106,7 @@ fn remark(curve: &ProgressiveCurve) -> Option<&'static str> {
     }
     let is_unknown = curve.points.iter().any(|point| point.prediction.is_unknown());
     is_unknown.then_some(
-        "without rotations or shifts the sets are not homogeneous, so no spectrum predicts their variance; \
+        "without rotations or shifts the sets are not homogeneous, so no spectrum predicts their variance;\n\
             references are predicted over rotations or shifts, so there is no factor",
     )
 }

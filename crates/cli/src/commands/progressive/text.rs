@@ -97,8 +97,8 @@ impl Results {
                 false => format!("{compared} of the N"),
             };
             text += &format!(
-                "factor: standard error divided by that of {name} with N points or the most below that it has; mean\n\
-                 and worst over {which} from {first_n}.\n"
+                "factor: standard error divided by that of {name} with N points,\n\
+                 or the most below that it has; mean and worst over {which} from {first_n}.\n"
             );
         }
         text
