@@ -32,6 +32,20 @@ pattern_list! {
     /// The patterns of rotations, by name, with their parameters.
     ///
     /// `FromStr` reads what `Display` writes.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_samplers::{Purpose, RotationPattern, RotationRealizations, Streams};
+    ///
+    /// let pattern: RotationPattern = "sukharev:weights=cell".parse()?;
+    /// let grid = pattern.build(36)?;
+    /// let streams = Streams::new(0, Purpose::Pattern, grid.stream_group());
+    /// // A uniform rotation of the set makes its means right on average.
+    /// let set = RotationRealizations::rotated(&*grid, streams).realize(0)?;
+    /// assert_eq!((set.points.len(), set.weights.len()), (36, 36));
+    /// # Ok::<(), sphvar_samplers::Error>(())
+    /// ```
     pub enum RotationPattern of RotationGroup;
 
     "uniform" = uniform::Uniform: "independent uniform rotations";

@@ -23,8 +23,10 @@ use crate::{Error, PredictorOn};
 /// let predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
 /// let mut predictor = ProgressivePredictor::new(predictor);
 /// let halton = "halton".parse::<Pattern>()?.build(64, Domain::Sphere)?;
+/// // The random streams that sets of all numbers of points share.
+/// let group = halton.sequence_group().ok_or("no sequence")?;
 /// let counts = [16, 32, 64];
-/// let curve = predictor.curve(&*halton, 0, &counts, 400, Randomized::Rotated, &())?;
+/// let curve = predictor.curve(&*halton, group, &counts, 400, Randomized::Rotated, &())?;
 /// for point in curve.points {
 ///     assert!(point.measurement.unwrap().z.abs() < 4.0);
 /// }
