@@ -135,7 +135,7 @@ pub(crate) fn valid_counts(degree: usize, domain: Domain, is_symmetric: bool) ->
     // those of small degrees just above it.
     let is_valid = |n: &usize| equations_of(degree, *n, domain, is_symmetric).is_some();
     let end = generic.max(first) + 8 * step;
-    let last_gap = (first..end).step_by(step).filter(|n| !is_valid(n)).last();
+    let last_gap = (first..end).step_by(step).rev().find(|n| !is_valid(n));
     let from = last_gap.map_or(first, |gap| gap + step);
     let listed: Vec<usize> = (first..from).step_by(step).filter(is_valid).collect();
     match (from, listed.is_empty()) {
