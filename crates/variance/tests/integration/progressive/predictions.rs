@@ -180,3 +180,33 @@ fn what_is_no_prefix_is_an_error_or_unknown() {
         }
     }
 }
+
+/// Whole sets by the sums of prefixes against the spectrum of each, within the errors of both, for
+/// functions with and without a tail.
+#[test]
+fn whole_sets_have_the_variances_of_single_predictions() {
+    let (cap, lobe) = (Cap::from_degrees(50.0).unwrap(), VonMisesFisher::new(8.0).unwrap());
+    let integrands: [&dyn Integrand; 2] = [&cap, &lobe];
+    for domain in [Domain::Sphere, Domain::Hemisphere] {
+        for integrand in integrands {
+            let new = || Predictor::new(integrand, domain, 5, PredictionBudget::DEFAULT).unwrap();
+            let counts = [1, 2, 7, 18, 37, 154];
+            let sets: Vec<_> =
+                counts.iter().map(|&n| Pattern::FIBONACCI.build(n, domain).unwrap()).collect();
+            let samplers: Vec<_> = sets.iter().map(|set| &**set).collect();
+            let got = ProgressivePredictor::new(new()).predict_sets(&samplers, &()).unwrap();
+            let mut single = new();
+            for (sampler, got) in samplers.iter().zip(&got) {
+                let expected = single.predict(*sampler, &()).unwrap().prediction;
+                let got = (got.n_points, &got.prediction);
+                assert_eq!(got.0, sampler.n_points());
+                let error = |p: &sphvar_variance::Prediction| p.tail_error + p.energy_stderr;
+                let bound = error(got.1) + error(&expected) + 1e-8 * expected.variance;
+                let off = (got.1.variance - expected.variance).abs();
+                assert!(off <= bound, "{domain}, {got:?}, {expected:?}");
+            }
+        }
+    }
+    let none = Predictor::new(&cap, Domain::Sphere, 5, PredictionBudget::DEFAULT).unwrap();
+    assert_eq!(ProgressivePredictor::new(none).predict_sets(&[], &()).unwrap(), []);
+}
