@@ -40,9 +40,9 @@ fn exact_degrees_have_no_power() {
     let place = Workplace::new();
     let json = place.run("rotations healpix-hopf -n 72 --json").ok().json();
     let row = &json["rows"][0];
-    let exact = row["exact_degree"].as_u64().unwrap() as usize;
+    let exact = row["exact_degree"].as_u64().unwrap();
     assert!(exact >= 1, "{row}");
-    for l in 1..=exact.min(4) {
+    for l in (1..=4).take_while(|l| *l as u64 <= exact) {
         assert_eq!(row["power"][l], 0.0, "{row}");
     }
 }

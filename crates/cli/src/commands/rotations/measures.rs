@@ -132,6 +132,11 @@ fn error_of_uniform(kappa: f64, n: usize) -> f64 {
 /// Returns the nominal work of the powers of a set for the powers that are shown and for errors.
 fn work_of_powers(n: usize, args: &RotationsArgs, lmax: usize) -> f64 {
     // Energies decrease as exp(-l^2/kappa): beyond this degree they are below 1e-20.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most that of the largest kappa"
+    )]
     let degree = |kappa: f64| 10 + (6.8 * kappa.sqrt()).ceil() as usize;
     let errors = args.kappa.map(|kappa| RotationQuality::nominal_work(n, degree(kappa)));
     RotationQuality::nominal_work(n, lmax) + errors.unwrap_or(0.0)
