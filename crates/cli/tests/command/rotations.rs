@@ -42,7 +42,7 @@ fn exact_degrees_have_no_power() {
     let row = &json["rows"][0];
     let exact = row["exact_degree"].as_u64().unwrap();
     assert!(exact >= 1, "{row}");
-    for l in (1..=4).take_while(|l| *l as u64 <= exact) {
+    for l in (1..=4_usize).take_while(|l| *l as u64 <= exact) {
         assert_eq!(row["power"][l], 0.0, "{row}");
     }
 }
