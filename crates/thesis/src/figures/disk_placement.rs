@@ -54,17 +54,17 @@ mod tests {
     #[test]
     fn the_placement_decides_or_does_not() {
         let setting = Setting { scale: Scale::Quick, seed: 0 };
-        for (dart, boundary, verdict) in [
+        for (thrown, boundary, verdict) in [
             (0.06, 0.04, Verdict::Depends),
             (0.04, 0.03, Verdict::Wrong),
             (0.06, 0.07, Verdict::Holds),
         ] {
             let claim = |job: &_| {
-                let value = if *job == boundary_spectrum(setting) { boundary } else { dart };
+                let value = if *job == boundary_spectrum(setting) { boundary } else { thrown };
                 Ok(Claim::number("", Stated::AtLeast(0.05), Quantity::exact(value)))
             };
             let got = with_both_placements(claim, setting).unwrap();
-            assert_eq!(got.verdict, verdict, "{dart}, {boundary}");
+            assert_eq!(got.verdict, verdict, "{thrown}, {boundary}");
         }
     }
 }

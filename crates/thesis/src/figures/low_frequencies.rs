@@ -78,8 +78,8 @@ fn claim_offset(results: &Results, setting: Setting, figure: &mut Figure) -> Res
             "the same, fitted over omega in ]0, 1[",
             about,
             1.0,
-            "the power is no parabola there: a window as wide as that of the figure returns less than the limit with dart \
-             throwing and more with boundary sampling, both nearer to 0.055"
+            "the power is no parabola there: a window as wide as that of the figure returns less than the limit with dart-throwing \
+             sets and more with boundary sampling, both nearer to 0.055"
                 .to_owned(),
         ),
         (

@@ -131,7 +131,7 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
 }
 
 impl PrefixMeasurement {
-    /// Returns what a comparison says of the variance of trials.
+    /// Returns the values of a comparison for the variance of trials.
     fn of(comparison: &Comparison, randomized: Randomized) -> Self {
         let Comparison { measurement, prediction, exact, .. } = comparison;
         let variance = measurement.variance();

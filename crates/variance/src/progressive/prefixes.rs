@@ -103,8 +103,8 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
                 Ok(realization_work::<S>(prefix, &extent))
             })?;
         }
-        let is_cheaper = estimate.work_of_realization() <= of_spectra;
-        Ok(if is_cheaper { Route::Together(estimate) } else { Route::Single })
+        let is_less_work = estimate.work_of_realization() <= of_spectra;
+        Ok(if is_less_work { Route::Together(estimate) } else { Route::Single })
     }
 
     /// Returns the sums over the points of sets up to the last count, which do not depend on the

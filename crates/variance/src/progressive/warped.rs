@@ -16,7 +16,7 @@ impl WarpedPredictor<'_> {
     ///
     /// `counts` are distinct total numbers of points in increasing order, all of them valid
     /// ([`WarpedPattern::nearest_count`]). Of several strategies, a prefix has the first points of
-    /// each, as many as [`WarpedPattern::counts`] says, which never decrease. `group` is the number of
+    /// each, in the numbers of [`WarpedPattern::counts`], which never decrease. `group` is the number of
     /// the random streams of the sequence. The estimate and its variances are those of
     /// [`ProgressivePredictor`](crate::ProgressivePredictor) for the strategies, added.
     ///

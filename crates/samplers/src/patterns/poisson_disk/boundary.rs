@@ -81,7 +81,7 @@ impl BoundaryPoissonDisk {
         let radius = radius.unwrap_or_else(|| Self::default_radius(n_points, domain));
         let disks = PoissonDisk::new(n_points, domain, mode, Some(radius))?;
         if (domain, mode, n_points) == (Domain::Hemisphere, DiskMode::Exact, 2) {
-            let reason = "two disks of the hemisphere always leave room for a third";
+            let reason = "two disks of the hemisphere always leave space for a third";
             return Err(disks.infeasible(reason.to_owned()));
         }
         Ok(Self { disks })

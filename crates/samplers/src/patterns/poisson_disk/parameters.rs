@@ -18,7 +18,7 @@ pub struct PoissonDiskParameters {
 impl PoissonDiskParameters {
     /// The default parameters.
     pub const DEFAULT: Self =
-        Self { mode: DiskMode::Exact, radius: None, placement: DiskPlacement::Dart };
+        Self { mode: DiskMode::Exact, radius: None, placement: DiskPlacement::DartThrowing };
 }
 
 impl Default for PoissonDiskParameters {
@@ -43,8 +43,8 @@ impl Parametric for PoissonDiskParameters {
 impl Definition for PoissonDiskParameters {
     fn facts(&self) -> PatternFacts {
         let low_degrees = match (self.placement, self.mode) {
-            (DiskPlacement::Dart, DiskMode::Exact) => "0.0596",
-            (DiskPlacement::Dart, DiskMode::Saturated) => "0.0578",
+            (DiskPlacement::DartThrowing, DiskMode::Exact) => "0.0596",
+            (DiskPlacement::DartThrowing, DiskMode::Saturated) => "0.0578",
             (DiskPlacement::Boundary, _) => "0.04, twice that at l = 1",
             (DiskPlacement::Decreasing, _) => "0.08",
         };
@@ -60,7 +60,7 @@ impl Definition for PoissonDiskParameters {
             jump_rate: Rate::power(-1.0),
             is_extensible: false,
             source: match self.placement {
-                DiskPlacement::Dart => "Cook 1986; Gamito and Maddock 2009",
+                DiskPlacement::DartThrowing => "Cook 1986; Gamito and Maddock 2009",
                 DiskPlacement::Boundary => "Dunbar and Humphreys 2006",
                 DiskPlacement::Decreasing => "McCool and Fiume 1992",
             },
@@ -70,7 +70,9 @@ impl Definition for PoissonDiskParameters {
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
         let Self { mode, radius, placement } = *self;
         Ok(match placement {
-            DiskPlacement::Dart => Box::new(PoissonDisk::new(n_points, domain, mode, radius)?),
+            DiskPlacement::DartThrowing => {
+                Box::new(PoissonDisk::new(n_points, domain, mode, radius)?)
+            }
             DiskPlacement::Boundary => {
                 Box::new(BoundaryPoissonDisk::new(n_points, domain, mode, radius)?)
             }

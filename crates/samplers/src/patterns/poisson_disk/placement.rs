@@ -7,7 +7,7 @@ use sphvar_grammar::Choice;
 pub enum DiskPlacement {
     /// Uniformly in the free region, with disks of one radius:
     /// [`PoissonDisk`](crate::PoissonDisk).
-    Dart,
+    DartThrowing,
     /// On the boundaries of previous disks: [`BoundaryPoissonDisk`](crate::BoundaryPoissonDisk).
     Boundary,
     /// Uniformly in the free region, with disks of decreasing radius:
@@ -16,11 +16,11 @@ pub enum DiskPlacement {
 }
 
 impl DiskPlacement {
-    /// Returns the method's name: `dart`, `boundary` or `decreasing`.
+    /// Returns the method's name: `dart-throwing`, `boundary` or `decreasing`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Dart => "dart",
+            Self::DartThrowing => "dart-throwing",
             Self::Boundary => "boundary",
             Self::Decreasing => "decreasing",
         }
@@ -29,7 +29,7 @@ impl DiskPlacement {
 
 impl Choice for DiskPlacement {
     const CHOICES: &'static [(&'static str, Self)] = &[
-        (Self::Dart.name(), Self::Dart),
+        (Self::DartThrowing.name(), Self::DartThrowing),
         (Self::Boundary.name(), Self::Boundary),
         (Self::Decreasing.name(), Self::Decreasing),
     ];
