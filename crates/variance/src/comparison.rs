@@ -24,7 +24,7 @@ impl Comparison {
     /// The square of the rounding of a mean and of an exact integral, relative to that of the
     /// deviations of estimates, which share the roundings of a density and of the integral: 1e-13
     /// of the function.
-    const BIAS_ROUNDING: f64 = 128.0 * 128.0;
+    pub(crate) const BIAS_ROUNDING: f64 = 128.0 * 128.0;
 
     /// Returns the relative error of the measured variance, from the trials and the known moments
     /// of the integrand.

@@ -205,6 +205,13 @@ fn documents_fit_their_schema() {
     .into_iter()
     .map(|(command, arguments)| (command, arguments.to_owned()))
     .chain([
+        ("rotations", "rotations uniform,sukharev:weights=cell -n 20 --kappa 2".to_owned()),
+        ("rotations -o", "rotations healpix-hopf -n 72 -o rotations.csv".to_owned()),
+        (
+            "variance --rotations",
+            "variance fibonacci -n 12 --integrand cap:degrees=60 --rotations uniform -m 64"
+                .to_owned(),
+        ),
         ("spectrum", format!("spectrum --points {stars} --lmax 4")),
         ("fit", format!("fit {stars} --columns ra,dec,value --lmax 2")),
         ("render", format!("{render} --sampler jittered -n 24 -m 2")),

@@ -158,10 +158,13 @@ impl PrefixMeasurement {
     fn about(self, exact: f64, comparison: &Comparison) -> Self {
         let estimates = comparison.measurement.estimates();
         let squares = Measurement::new(estimates.iter().map(|x| (x - exact).powi(2)).collect());
-        let own = Self { variance: squares.mean(), is_about_exact: true, ..self };
+        // Deviations that rounding alone can produce are none.
+        let is_visible = squares.mean() > Comparison::BIAS_ROUNDING * comparison.rounding;
+        let variance = if is_visible { squares.mean() } else { 0.0 };
+        let own = Self { variance, is_about_exact: true, ..self };
         // The error of a set that does not vary is no estimate.
         if self.variance <= comparison.rounding {
-            return Self { variance: 0.0, stderr: 0.0, interval: None, ..own };
+            return Self { stderr: 0.0, interval: None, ..own };
         }
         let error = RelativeError::new(estimates.len(), squares.mean_stderr() / own.variance);
         Self {
