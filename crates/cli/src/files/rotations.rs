@@ -22,7 +22,7 @@ pub(crate) enum RotationFile {
 }
 
 /// How rotations are written as numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RotationFormat {
     /// Unit quaternions w, x, y, z with w >= 0

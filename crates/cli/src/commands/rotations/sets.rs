@@ -25,7 +25,8 @@ pub(crate) struct RotationSetsBody {
     n: usize,
     /// The number of sets.
     realizations: usize,
-    /// How rotations are written.
+    /// How rotations are written: `quaternions`, `matrices`, `euler` or `euler-degrees`.
+    #[schemars(with = "String")]
     format: RotationFormat,
     /// The names of the numbers of a rotation.
     columns: Vec<&'static str>,
