@@ -7,6 +7,8 @@
 mod args;
 mod commands;
 mod counts;
+#[doc(hidden)]
+pub mod embedding;
 mod error;
 mod files;
 mod flags;
@@ -31,6 +33,7 @@ mod spec;
 mod transforms;
 mod values;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -43,31 +46,36 @@ use crate::error::CliError;
 /// for failure, 2 for a usage error.
 #[must_use]
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    ExitCode::from(run_words(std::env::args_os().skip(1).collect()))
+}
+
+/// Runs the command with the words after its name and returns its exit status.
+fn run_words(words: Vec<OsString>) -> u8 {
+    let all = std::iter::once(OsString::from("sphvar")).chain(words.iter().cloned());
+    let cli = match Cli::try_parse_from(all) {
         Ok(cli) => cli,
-        Err(error) => return usage(error),
+        Err(error) => return usage(error, &words),
     };
     files::record_used_files();
     let watched = interrupts::watch()
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
     match watched.and_then(|()| dispatch(cli)) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // A reader that closes its pipe has received what it needs.
-        Err(CliError::ClosedPipe) => ExitCode::SUCCESS,
+        Err(CliError::ClosedPipe) => 0,
         Err(error) => {
             message::write(&format!("error: {error}"));
-            ExitCode::from(error.status())
+            error.status()
         }
     }
 }
 
 /// Prints the output of clap, which is help or a usage error, and returns the exit status: 0 or 2.
-fn usage(mut error: clap::Error) -> ExitCode {
-    let words: Vec<String> =
-        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+fn usage(mut error: clap::Error, words: &[OsString]) -> u8 {
+    let words: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
     flags::retired::explain(&mut error, &Cli::command(), &words);
     let text = error.to_string();
-    let lines: Vec<String> = arguments_escaped(&text).lines().map(message::clean).collect();
+    let lines: Vec<String> = arguments_escaped(&text, &words).lines().map(message::clean).collect();
     let printed = if error.use_stderr() && lines.join("\n") != text.trim_end() {
         writeln!(std::io::stderr(), "{}", lines.join("\n"))
     } else {
@@ -75,18 +83,17 @@ fn usage(mut error: clap::Error) -> ExitCode {
     };
     // If standard error is closed, the failure cannot be reported.
     let _ = printed;
-    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+    if error.use_stderr() { 2 } else { 0 }
 }
 
 /// Returns a text that quotes arguments with their control characters escaped: a line break in an
 /// argument must not look like the end of a line.
-fn arguments_escaped(text: &str) -> String {
+fn arguments_escaped(text: &str, words: &[String]) -> String {
     let mut text = text.to_owned();
-    for argument in std::env::args_os().skip(1) {
-        let argument = argument.to_string_lossy();
+    for argument in words {
         // Of `--key=value`, either part may be quoted.
         for part in
-            argument.split_once('=').map_or(vec![&*argument], |(key, value)| vec![key, value])
+            argument.split_once('=').map_or(vec![&**argument], |(key, value)| vec![key, value])
         {
             if part.contains('\n') {
                 text = text.replace(part, &message::escape(part));

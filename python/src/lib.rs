@@ -1,0 +1,16 @@
+//! The native half of the package `sphvar` for Python: arrays in, arrays out, on the libraries of
+//! sphvar. `python/sphvar` is the other half, which names the functions and describes them.
+
+mod arrays;
+mod command;
+mod errors;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _sphvar(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    command::register(module)?;
+    work::register(module)
+}
