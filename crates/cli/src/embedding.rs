@@ -1,7 +1,20 @@
 //! The command inside another program: the package for Python.
+//!
+//! A [`Session`] has the arrays that stand for files and the place of messages and progress.
+//! [`Session::answer`] takes the words of the command line and returns the document of `--json`:
+//! the same question has the same answer, and the same words in errors.
+
+mod arrays;
+mod parsing;
 
 use std::ffi::OsString;
 use std::fmt;
+
+use crate::error::CliError;
+use crate::message;
+
+pub use crate::given::PointTable;
+pub use crate::session::Session;
 
 /// Why a question has no answer.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -27,6 +40,13 @@ pub struct Failure {
     pub message: String,
 }
 
+impl Failure {
+    /// Returns a failure for an invalid request.
+    pub(crate) fn usage(message: impl fmt::Display) -> Self {
+        Self { kind: FailureKind::Usage, message: message::clean(&message.to_string()) }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
@@ -35,8 +55,43 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
+impl From<CliError> for Failure {
+    fn from(error: CliError) -> Self {
+        let kind = match error {
+            CliError::Usage(_) => FailureKind::Usage,
+            CliError::File(_) => FailureKind::File,
+            CliError::Memory(_) => FailureKind::Memory,
+            CliError::Stopped(_) => FailureKind::Stopped,
+            CliError::Failed(_) | CliError::ClosedPipe => FailureKind::Failed,
+        };
+        Self { kind, message: message::clean(&error.to_string()) }
+    }
+}
+
 /// Runs the command with the words after its name and returns its exit status.
 #[must_use]
 pub fn run_command(words: Vec<OsString>) -> u8 {
     crate::run_words(words)
+}
+
+impl Session {
+    /// Returns the JSON document that the command prints for the words after its name and `--json`,
+    /// on the current pool of threads.
+    ///
+    /// # Errors
+    ///
+    /// Those of the command in its words, and options that write files or set the number of threads.
+    pub fn answer(&self, words: &[String]) -> Result<String, Failure> {
+        let (command, mut global) = parsing::parse(words)?;
+        let run = self.run(words);
+        global.session = run.clone();
+        let result = crate::execute(command, &global);
+        // Stopped work is unfinished also where a command reports parts of it as unavailable.
+        if run.is_stopped() {
+            let message = sphvar_samplers::Stopped.to_string();
+            return Err(Failure { kind: FailureKind::Stopped, message });
+        }
+        result?;
+        Ok(run.take_output())
+    }
 }

@@ -1,6 +1,7 @@
 use std::io;
 
 use sphvar_grammar::ResolveError;
+use sphvar_samplers::Stopped;
 
 use crate::files::FileError;
 use crate::plots::PlotError;
@@ -11,9 +12,18 @@ pub(crate) enum CliError {
     /// The command line is invalid: exit status 2.
     #[error("{0}")]
     Usage(String),
+    /// A file cannot be read or written, or has invalid content: exit status 1.
+    #[error("{0}")]
+    File(String),
+    /// The work would exceed the memory and was not started: exit status 1.
+    #[error("{0}")]
+    Memory(String),
     /// The command line is valid but its execution failed: exit status 1.
     #[error("{0}")]
     Failed(String),
+    /// The embedding program has stopped the work.
+    #[error("{0}")]
+    Stopped(Stopped),
     /// The reader of standard output has closed it.
     #[error("standard output was closed")]
     ClosedPipe,
@@ -24,7 +34,7 @@ impl CliError {
     pub(crate) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
-            Self::Failed(_) => 1,
+            Self::File(_) | Self::Memory(_) | Self::Failed(_) | Self::Stopped(_) => 1,
             Self::ClosedPipe => 0,
         }
     }
@@ -53,6 +63,12 @@ impl CliError {
     }
 }
 
+impl From<Stopped> for CliError {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
+    }
+}
+
 impl From<sphvar_grammar::Error> for CliError {
     fn from(error: sphvar_grammar::Error) -> Self {
         Self::usage(error)
@@ -68,7 +84,8 @@ impl From<FileError> for CliError {
             FileError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
                 Self::ClosedPipe
             }
-            _ => Self::failed(error),
+            FileError::Memory { .. } => Self::Memory(error.to_string()),
+            _ => Self::File(error.to_string()),
         }
     }
 }

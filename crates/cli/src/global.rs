@@ -1,6 +1,8 @@
-//! The flags that all subcommands share.
+//! The flags that all subcommands share, and the session of the run.
 
 use clap::Args;
+
+use crate::session::Session;
 
 /// The heading in help texts, which keeps them together below the flags of the subcommand.
 const HEADING: &str = "Common options";
@@ -30,4 +32,7 @@ pub(crate) struct Global {
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024)
     )]
     pub(crate) threads: usize,
+    /// Where the run reports, and the arrays that it reads besides files.
+    #[arg(skip)]
+    pub(crate) session: Session,
 }

@@ -34,7 +34,7 @@ use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;
 use crate::report::number::value;
-use crate::report::{remark, say};
+use crate::session::Session;
 
 /// The names and their parameters, for help texts.
 pub(crate) const FORMS: Forms = Forms;
@@ -74,18 +74,16 @@ const MIN_ANNOUNCED_SECONDS: f64 = 2.0;
 
 impl NamedIntegrand<'_> {
     /// Prints the expected time of energies to a degree, if it is long.
-    pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
+    pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, session: &Session) {
         let seconds = self.function.energy_seconds(domain, lmax);
         if seconds > MIN_ANNOUNCED_SECONDS {
-            say(
-                quiet,
-                &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name),
-            );
+            session
+                .say(&format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name));
         }
     }
 
     /// Prints by how much filters change the integral over the domain.
-    pub(crate) fn announce_bias(&self, domain: Domain, quiet: bool) {
+    pub(crate) fn announce_bias(&self, domain: Domain, session: &Session) {
         /// Smaller changes, relative to the integral, are rounding.
         const ROUNDING: f64 = 1e-10;
         let before = self.unfiltered.as_ref().and_then(|function| function.exact(domain));
@@ -96,21 +94,21 @@ impl NamedIntegrand<'_> {
         } else {
             format!("filters change the integral from {} by {}", value(before), value(change))
         };
-        say(quiet, &text);
+        session.say(&text);
     }
 }
 
-/// Returns the integrand of one expression. Reads the files that it names and prints remarks on
-/// them, unless `quiet`.
+/// Returns the integrand of one expression. Reads the files that it names and reports remarks on
+/// them.
 pub(crate) fn parse_integrand(
     text: &str,
-    quiet: bool,
+    session: &Session,
 ) -> Result<NamedIntegrand<'static>, CliError> {
     let expression = parse_expression(text)?;
     rgb::reject(&expression)?;
     let files = IntegrandFiles::default();
     let integrand = files.build(&expression, text.to_owned())?;
-    files.remarks.take().iter().for_each(|text| remark(quiet, text));
+    files.remarks.take().iter().for_each(|text| session.remark(text));
     Ok(integrand)
 }
 

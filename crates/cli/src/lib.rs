@@ -14,6 +14,7 @@ mod files;
 mod flags;
 #[doc(hidden)]
 pub mod fuzzing;
+mod given;
 mod global;
 mod instruction_set;
 mod integrands;
@@ -28,6 +29,7 @@ mod progress;
 mod report;
 #[cfg(test)]
 mod schema;
+mod session;
 mod share;
 mod spec;
 mod transforms;
@@ -41,6 +43,8 @@ use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
+use crate::global::Global;
+use crate::session::Session;
 
 /// Runs the command with the arguments of the process and returns its exit status: 0 for success, 1
 /// for failure, 2 for a usage error.
@@ -52,10 +56,11 @@ pub fn run() -> ExitCode {
 /// Runs the command with the words after its name and returns its exit status.
 fn run_words(words: Vec<OsString>) -> u8 {
     let all = std::iter::once(OsString::from("sphvar")).chain(words.iter().cloned());
-    let cli = match Cli::try_parse_from(all) {
+    let mut cli = match Cli::try_parse_from(all) {
         Ok(cli) => cli,
         Err(error) => return usage(error, &words),
     };
+    cli.global.session = Session::of_process(&words, cli.global.quiet);
     files::record_used_files();
     let watched = interrupts::watch()
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
@@ -107,28 +112,33 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.global.threads).build_global().map_err(
         |e| CliError::Failed(format!("cannot start {} threads: {e}", cli.global.threads)),
     )?;
-    match cli.command {
-        Command::Compare(args) => commands::compare::run(&args, &cli.global),
-        Command::Choose(args) => commands::choose::run(&args, &cli.global),
-        Command::Sample(args) => commands::sample::run(&args, &cli.global),
-        Command::Rotations(args) => commands::rotations::run(&args, &cli.global),
-        Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
-        Command::Merge(args) => commands::merge::run(&args, &cli.global),
-        Command::Variance(args) => commands::variance::run(&args, &cli.global),
-        Command::Progressive(args) => commands::progressive::run(&args, &cli.global),
-        Command::Integrate(args) => commands::integrate::run(&args, &cli.global),
-        Command::Weights(args) => commands::weights::run(&args, &cli.global),
-        Command::Fit(args) => commands::fit::run(&args, &cli.global),
-        Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
-        Command::Audit(args) => commands::audit::run(&args, &cli.global),
-        Command::Quality(args) => commands::quality::run(&args, &cli.global),
-        Command::Render(args) => commands::render::run(&args, &cli.global),
-        Command::Lights(args) => commands::lights::run(&args, &cli.global),
-        Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
-        Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
-        Command::Accuracy(args) => commands::accuracy::run(&args, &cli.global),
-        Command::List(args) => commands::list::run(&args, &cli.global),
-        Command::Completions(args) => commands::completions::run(&args, &cli.global),
-        Command::Eval(args) => commands::eval::run(&args, &cli.global),
+    execute(cli.command, &cli.global)
+}
+
+/// Runs a subcommand on the current pool of threads.
+fn execute(command: Command, global: &Global) -> Result<(), CliError> {
+    match command {
+        Command::Compare(args) => commands::compare::run(&args, global),
+        Command::Choose(args) => commands::choose::run(&args, global),
+        Command::Sample(args) => commands::sample::run(&args, global),
+        Command::Rotations(args) => commands::rotations::run(&args, global),
+        Command::Spectrum(args) => commands::spectrum::run(&args, global),
+        Command::Merge(args) => commands::merge::run(&args, global),
+        Command::Variance(args) => commands::variance::run(&args, global),
+        Command::Progressive(args) => commands::progressive::run(&args, global),
+        Command::Integrate(args) => commands::integrate::run(&args, global),
+        Command::Weights(args) => commands::weights::run(&args, global),
+        Command::Fit(args) => commands::fit::run(&args, global),
+        Command::Bounds(args) => commands::bounds::run(&args, global),
+        Command::Audit(args) => commands::audit::run(&args, global),
+        Command::Quality(args) => commands::quality::run(&args, global),
+        Command::Render(args) => commands::render::run(&args, global),
+        Command::Lights(args) => commands::lights::run(&args, global),
+        Command::Reproduce(args) => commands::reproduce::run(&args, global),
+        Command::Healpix(args) => commands::healpix::run(&args, global),
+        Command::Accuracy(args) => commands::accuracy::run(&args, global),
+        Command::List(args) => commands::list::run(&args, global),
+        Command::Completions(args) => commands::completions::run(&args, global),
+        Command::Eval(args) => commands::eval::run(&args, global),
     }
 }

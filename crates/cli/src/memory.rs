@@ -29,7 +29,7 @@ pub(crate) fn gibibytes(bytes: f64) -> String {
 /// If the machine does not report it, the work is attempted.
 pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
     match available_memory() {
-        Some(available) if bytes > available => Err(CliError::Failed(format!(
+        Some(available) if bytes > available => Err(CliError::Memory(format!(
             "{what} requires {} of memory, but {} are available; use a smaller value",
             gibibytes(bytes),
             gibibytes(available)

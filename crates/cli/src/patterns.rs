@@ -17,7 +17,7 @@ use sphvar_variance::WarpedPattern;
 use crate::error::CliError;
 use crate::flags::missing_count;
 use crate::memory::check_points;
-use crate::report::say;
+use crate::session::Session;
 use crate::spec::Spec;
 
 pub(crate) use self::direction_sampler::{
@@ -42,7 +42,7 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     fn all() -> Vec<Self>;
 
     /// Reads a text with the files that it names.
-    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error>;
+    fn parse(text: &str, files: &PatternFiles<'_>) -> Result<Self, Error>;
 
     /// Returns the name in tables.
     fn label(&self) -> String;
@@ -94,7 +94,7 @@ impl PatternKind for Pattern {
         Self::ALL.to_vec()
     }
 
-    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+    fn parse(text: &str, files: &PatternFiles<'_>) -> Result<Self, Error> {
         Self::parse(text, files)
     }
 
@@ -151,7 +151,7 @@ impl PatternKind for SquarePattern {
         Self::ALL.to_vec()
     }
 
-    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+    fn parse(text: &str, files: &PatternFiles<'_>) -> Result<Self, Error> {
         Self::parse(text, files)
     }
 
@@ -199,7 +199,7 @@ impl PatternKind for RotationPattern {
         Self::ALL.to_vec()
     }
 
-    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+    fn parse(text: &str, files: &PatternFiles<'_>) -> Result<Self, Error> {
         Self::parse(text, files)
     }
 
@@ -237,27 +237,30 @@ impl PatternKind for RotationPattern {
     }
 }
 
-/// Returns the patterns of a list such as `jittered,white-noise`, or of `all`. Prints remarks on
-/// files unless `quiet`.
-pub(crate) fn parse_patterns<P: PatternKind>(text: &str, quiet: bool) -> Result<Vec<P>, CliError> {
+/// Returns the patterns of a list such as `jittered,white-noise`, or of `all`. Reports remarks on
+/// files.
+pub(crate) fn parse_patterns<P: PatternKind>(
+    text: &str,
+    session: &Session,
+) -> Result<Vec<P>, CliError> {
     let mut patterns = Vec::new();
     for spec in Spec::parse_list(text)? {
         if spec.text == ALL {
             patterns.extend(P::all());
         } else {
-            patterns.push(parse_pattern(&spec.text, quiet)?);
+            patterns.push(parse_pattern(&spec.text, session)?);
         }
     }
     with_distinct_labels(&mut patterns, SamplerName::of, P::use_long_label);
     Ok(patterns)
 }
 
-/// Returns the pattern of one name. Prints remarks on files unless `quiet`.
-pub(crate) fn parse_pattern<P: PatternKind>(text: &str, quiet: bool) -> Result<P, CliError> {
+/// Returns the pattern of one name. Reports remarks on files.
+pub(crate) fn parse_pattern<P: PatternKind>(text: &str, session: &Session) -> Result<P, CliError> {
     if WarpedPattern::is_warped(text) {
         return Err(CliError::Usage(format!("{text}: {}", P::WARPS_REJECTED)));
     }
-    P::parse(text, &PatternFiles { quiet }).map_err(|error| error_of_pattern::<P>(text, error))
+    P::parse(text, &PatternFiles { session }).map_err(|error| error_of_pattern::<P>(text, error))
 }
 
 /// Returns the error of a text that names no pattern of this kind.
@@ -328,22 +331,22 @@ pub(crate) fn sampler_of<P: PatternKind<Space = S>, S: Space>(
     n: Option<usize>,
     space: S,
     nearest: bool,
-    quiet: bool,
+    session: &Session,
 ) -> Result<(P, Box<S::Sampler>), CliError> {
-    let pattern = parse_pattern(text, quiet)?;
-    let sampler = nearest_sampler(&pattern, n, space, nearest, quiet)?;
+    let pattern = parse_pattern(text, session)?;
+    let sampler = nearest_sampler(&pattern, n, space, nearest, session)?;
     Ok((pattern, sampler))
 }
 
 /// Returns the sampler of `n` points or of the nearest valid count if `nearest`. A single file
-/// and a design of given degree need no `n`. Prints a remark if the number of points differs from
-/// `n`, unless `quiet`.
+/// and a design of given degree need no `n`. Reports a remark if the number of points differs from
+/// `n`.
 pub(crate) fn nearest_sampler<P: PatternKind<Space = S>, S: Space>(
     pattern: &P,
     n: Option<usize>,
     space: S,
     nearest: bool,
-    quiet: bool,
+    session: &Session,
 ) -> Result<Box<S::Sampler>, CliError> {
     let n = n.or(pattern.default_count(space)).ok_or_else(missing_count)?;
     let (got, sampler) = build_counted(pattern, n, space, nearest)?;
@@ -353,7 +356,7 @@ pub(crate) fn nearest_sampler<P: PatternKind<Space = S>, S: Space>(
             Some(_) => "as in the file".to_owned(),
             None => format!("the valid count nearest to the requested {n}"),
         };
-        say(quiet, &format!("{label}: {got} points, {why}"));
+        session.say(&format!("{label}: {got} points, {why}"));
     }
     Ok(sampler)
 }

@@ -11,7 +11,7 @@ use sphvar_samplers::{
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
 use crate::files::{FilePoint, read_points};
-use crate::report::say;
+use crate::session::Session;
 
 /// The point sets of files.
 pub(crate) struct FileSets<S: Space = Domain> {
@@ -115,13 +115,13 @@ impl WeightSums {
 
 impl FileSets {
     /// Reads the sets of all these files in order; on the hemisphere, points below the equator are
-    /// replaced by their antipodes. Prints remarks unless `quiet`.
+    /// replaced by their antipodes. Reports remarks.
     pub(crate) fn read(
         args: &PointFileArgs,
         domain: Domain,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Self, CliError> {
-        Self::read_with(args, domain, quiet, |sets| {
+        Self::read_with(args, domain, session, |sets| {
             let below = match domain {
                 Domain::Sphere => 0,
                 Domain::Hemisphere => {
@@ -135,9 +135,9 @@ impl FileSets {
 }
 
 impl FileSets<Square> {
-    /// Reads the sets of all these files in order. Prints remarks unless `quiet`.
-    pub(crate) fn read_square(args: &PointFileArgs, quiet: bool) -> Result<Self, CliError> {
-        Self::read_with(args, Square, quiet, |_| None)
+    /// Reads the sets of all these files in order. Reports remarks.
+    pub(crate) fn read_square(args: &PointFileArgs, session: &Session) -> Result<Self, CliError> {
+        Self::read_with(args, Square, session, |_| None)
     }
 }
 
@@ -146,7 +146,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
     fn read_with(
         args: &PointFileArgs,
         space: S,
-        quiet: bool,
+        session: &Session,
         remark: impl Fn(&[PointSet<S::Point>]) -> Option<String>,
     ) -> Result<Self, CliError> {
         let options = args.options();
@@ -154,10 +154,10 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         for path in &args.files {
             let file = read_points(path, &options)?;
             for warning in &file.warnings {
-                say(quiet, &format!("warning: {warning}"));
+                session.say(&format!("warning: {warning}"));
             }
             for remark in &file.remarks {
-                say(quiet, remark);
+                session.say(remark);
             }
             if !args.join
                 && let Some(i) = file.sets.iter().position(has_zero_weights)
@@ -174,7 +174,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
             }
         }
         if let Some(remark) = remark(&sets) {
-            say(quiet, &remark);
+            session.say(&remark);
         }
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
         let name = names.join(" ");
@@ -182,7 +182,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
             PointSets::new(sets, space).map_err(|e| CliError::Failed(format!("{name}: {e}")))?;
         let read = Self { name, sets };
         if read.count() > 1 {
-            say(quiet, &read.summary(args.files.len() > 1));
+            session.say(&read.summary(args.files.len() > 1));
         }
         Ok(read)
     }

@@ -1,4 +1,5 @@
-//! Progress on standard error, with the remaining time, for long work.
+//! Progress for long work: on standard error with the remaining time, or that of an embedding
+//! program.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -10,11 +11,19 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use sphvar_samplers::{SECONDS_PER_WORK, Stopped};
 
 use crate::message;
-use crate::report::{number, say};
+use crate::report::number;
+use crate::session::Session;
 
-/// A progress bar over nominal work. If standard error is not a terminal, lines at growing intervals
-/// take its place.
-pub(crate) struct Progress {
+/// The progress of nominal work: that of the embedding program, or a bar on standard error. If
+/// standard error is not a terminal, lines at growing intervals take the place of the bar.
+pub(crate) struct Progress(Display);
+
+enum Display {
+    Host(Arc<dyn sphvar_samplers::Progress + Send + Sync>),
+    Bar(Bar),
+}
+
+struct Bar {
     bar: ProgressBar,
     /// The remaining seconds that were shown last; later values do not exceed them.
     longest: Arc<AtomicU64>,
@@ -33,21 +42,75 @@ const FIRST_LINE: u64 = 15;
 const TICKS: f64 = 16.0;
 
 impl Progress {
-    /// Returns a bar for `work` units as [`new`](Self::new) does, after a line on their expected
-    /// time if it is long. The work must be the nominal one rather than a maximum or a share.
-    pub(crate) fn with_expected_time(work: f64, quiet: bool) -> Self {
-        if let Some(text) = expected_time(work) {
-            say(quiet, &text);
+    /// Returns the progress of `work` units as [`new`](Self::new) does, after a line on their
+    /// expected time if it is long. The work must be the nominal one rather than a maximum or a share.
+    pub(crate) fn with_expected_time(work: f64, session: &Session) -> Self {
+        if let Some(text) = expected_time(work).filter(|_| !session.is_embedded()) {
+            session.say(&text);
         }
-        Self::new(work, quiet)
+        Self::new(work, session)
     }
 
-    /// Returns a bar for `work` units.
-    pub(crate) fn new(work: f64, quiet: bool) -> Self {
+    /// Returns the progress of `work` units.
+    pub(crate) fn new(work: f64, session: &Session) -> Self {
+        Self(match session.host_progress() {
+            Some(host) => {
+                host.expect(work);
+                Display::Host(host)
+            }
+            None => Display::Bar(Bar::new(work, session.shows_progress())),
+        })
+    }
+
+    /// Sets the description of the current stage.
+    pub(crate) fn stage(&self, what: &str) {
+        if let Display::Bar(bar) = &self.0 {
+            bar.bar.set_message(message::escape(what).into_owned());
+        }
+    }
+
+    /// Counts `work` units as done.
+    ///
+    /// # Errors
+    ///
+    /// If the embedding program stops the work; an interrupt ends the process of the command.
+    pub(crate) fn advance(&self, work: f64) -> Result<(), Stopped> {
+        match &self.0 {
+            Display::Host(host) => host.tick(work),
+            Display::Bar(bar) => {
+                bar.advance(work);
+                Ok(())
+            }
+        }
+    }
+
+    /// Prints a line above the bar, if it is visible.
+    pub(crate) fn line(&self, text: &str) {
+        if let Display::Bar(bar) = &self.0 {
+            bar.bar.println(text);
+        }
+    }
+}
+
+impl sphvar_samplers::Progress for Progress {
+    fn tick(&self, work: f64) -> Result<(), Stopped> {
+        self.advance(work)
+    }
+
+    fn expect(&self, work: f64) {
+        match &self.0 {
+            Display::Host(host) => host.expect(work),
+            Display::Bar(bar) => bar.expect(work),
+        }
+    }
+}
+
+impl Bar {
+    fn new(work: f64, is_shown: bool) -> Self {
         let longest = Arc::new(AtomicU64::new(u64::MAX));
         let bar = ProgressBar::with_draw_target(
             Some(ticks(work)),
-            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
+            if is_shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() },
         );
         let style =
             ProgressStyle::with_template("{msg:24!} [{bar:32}] {percent:>3} % {left:>4} left");
@@ -59,18 +122,12 @@ impl Progress {
             bar.set_style(style.with_key("left", left).progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        let has_lines = !quiet && !std::io::stderr().is_terminal();
+        let has_lines = is_shown && !std::io::stderr().is_terminal();
         let next_line = has_lines.then(|| AtomicU64::new(FIRST_LINE));
         Self { bar, longest, started: Instant::now(), next_line }
     }
 
-    /// Sets the description of the current stage.
-    pub(crate) fn stage(&self, what: &str) {
-        self.bar.set_message(message::escape(what).into_owned());
-    }
-
-    /// Counts `work` units as done.
-    pub(crate) fn advance(&self, work: f64) {
+    fn advance(&self, work: f64) {
         self.bar.inc(ticks(work));
         let Some(next_line) = &self.next_line else { return };
         let (seconds, next) = (self.started.elapsed().as_secs(), next_line.load(Ordering::Relaxed));
@@ -84,19 +141,6 @@ impl Progress {
         }
     }
 
-    /// Prints a line above the bar, if the bar is visible.
-    pub(crate) fn line(&self, text: &str) {
-        self.bar.println(text);
-    }
-}
-
-impl sphvar_samplers::Progress for Progress {
-    /// Never stops the work: an interrupt ends the process.
-    fn tick(&self, work: f64) -> Result<(), Stopped> {
-        self.advance(work);
-        Ok(())
-    }
-
     fn expect(&self, work: f64) {
         if work > 0.0 {
             self.bar.inc_length(ticks(work));
@@ -105,7 +149,7 @@ impl sphvar_samplers::Progress for Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for Bar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -21,7 +21,8 @@ use crate::files::AtomicFile;
 use crate::global::Global;
 use crate::plots::ImageFormat;
 use crate::progress::Progress;
-use crate::report::{Forms, Provenance, check_result, emit, say, write_text};
+use crate::report::{Forms, Provenance, check_result, emit, write_text};
+use crate::session::Session;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar accuracy harmonics indexing --quick
@@ -67,13 +68,12 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
         }
     }
     if cfg!(debug_assertions) {
-        say(
-            global.quiet,
-            "this build has debug assertions: times are longer than those of a release",
-        );
+        global
+            .session
+            .say("this build has debug assertions: times are longer than those of a release");
     }
-    let (trials, hard_cases) = measure(&areas, args.quick, global.quiet);
-    let provenance = Provenance::new(global.seed);
+    let (trials, hard_cases) = measure(&areas, args.quick, &global.session)?;
+    let provenance = Provenance::new(&global.session, global.seed);
     let body = AccuracyBody {
         held: trials.iter().all(|t| t.outcome.held) && hard_cases.iter().all(|c| c.outcome.held),
         quick: args.quick,
@@ -141,10 +141,14 @@ fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)
 }
 
 /// Runs all trials and extreme inputs.
-fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<HardCaseRecord>) {
+fn measure(
+    areas: &[Area],
+    quick: bool,
+    session: &Session,
+) -> Result<(Vec<TrialRecord>, Vec<HardCaseRecord>), CliError> {
     let effort = if quick { Effort::Quick } else { Effort::Full };
     // The duration of a trial is not known in advance, so each counts as one.
-    let progress = Progress::new(0.0, quiet);
+    let progress = Progress::new(0.0, session);
     let (mut records, mut case_records) = (Vec::new(), Vec::new());
     for &area in areas {
         // Areas run one after the other, because the inputs of all would not fit in memory.
@@ -156,15 +160,15 @@ fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<H
             let seconds = median_seconds(&mut *trial.subject, effort);
             let errors = trial.subject.errors();
             records.push(TrialRecord::new(&trial, seconds, &errors));
-            progress.advance(1.0);
+            progress.advance(1.0)?;
         }
         for case in cases {
             progress.stage(case.name);
             case_records.push(HardCaseRecord::new(area, &case, &(case.measure)()));
-            progress.advance(1.0);
+            progress.advance(1.0)?;
         }
     }
-    (records, case_records)
+    Ok((records, case_records))
 }
 
 /// Returns the charts with their paths relative to a document beside or above them.

@@ -35,13 +35,13 @@ impl AdaptedDensities {
                 distinct.push(&pattern.density);
             }
         }
-        let strategies = strategies_of(&distinct, plan.domain, plan.effort.quiet)?;
+        let strategies = strategies_of(&distinct, plan.domain, &plan.effort.session)?;
         let pairs = distinct.into_iter().cloned().zip(strategies.into_iter().flatten());
         Ok(Self { densities: pairs.collect(), n_integrals: plan.integrals.all().len() })
     }
 
     /// Returns the maximum nominal work of a case.
-    pub(super) fn work(&self, case: &AdaptedCase, effort: &Effort) -> f64 {
+    pub(super) fn work(&self, case: &AdaptedCase, effort: &Effort<'_>) -> f64 {
         let AdaptedCase { pattern, n_points } = case;
         let count = case.trials(effort).count as f64;
         self.n_integrals as f64 * count * pattern.trial_work(*n_points)

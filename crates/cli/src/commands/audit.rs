@@ -25,6 +25,7 @@ use crate::patterns;
 use crate::point_sets::{FileSets, RotatedSets, WeightSums};
 use crate::progress::Progress;
 use crate::report::{Forms, Provenance, check_result, emit};
+use crate::session::Session;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
@@ -128,9 +129,9 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         Source::Sampler { sampler, .. } => WeightSums::of_sampler(&**sampler)?,
         Source::Files(sets) => WeightSums::of_sets(sets.sets().sets()),
     };
-    let audits = plan.audits(&source, given, args.unrotated, global.quiet)?;
+    let audits = plan.audits(&source, given, args.unrotated, &global.session)?;
 
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let records =
         audits.iter().map(|(ensemble, audit)| AuditRecord::new(*ensemble, audit, &settings));
     let body = AuditBody {
@@ -179,13 +180,13 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let Some(name) = &args.sets.sampler.sampler else {
-        let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
+        let sets = FileSets::read(&args.sets.files, domain, &global.session)?;
         check_sets(sets.name(), sets.count())?;
         return Ok(Source::Files(sets));
     };
     let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
     let (pattern, sampler) =
-        patterns::sampler_of::<Pattern, _>(name, n, domain, nearest, global.quiet)?;
+        patterns::sampler_of::<Pattern, _>(name, n, domain, nearest, &global.session)?;
     // A single set is a pattern that is not random; a few are not the ensemble that they come from.
     if let SetDistribution::OneOf(sets) = sampler.distribution()
         && sets.len() > 1
@@ -232,7 +233,7 @@ impl Plan {
         source: &Source,
         given: Option<&[PointSet]>,
         unrotated: bool,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Vec<(Ensemble, HomogeneityAudit)>, CliError> {
         let rounds = match source {
             Source::Sampler { .. } if !unrotated => 2.0,
@@ -245,7 +246,7 @@ impl Plan {
             Source::Sampler { name, .. } => (&**name, 0.0),
             Source::Files(sets) => (sets.name(), 0.0),
         };
-        let progress = Progress::new(rounds * self.work(set_work), quiet);
+        let progress = Progress::new(rounds * self.work(set_work), session);
         let audit = |ensemble: Ensemble, sets: &dyn PointEnsemble, used: Option<&[DMat3]>| {
             progress.stage(&format!("{name} {}", ensemble.name()));
             self.audit(sets, used, &progress).map(|audit| (ensemble, audit))

@@ -82,7 +82,7 @@ impl WarpedCase {
     }
 
     /// Returns the trials: the user's number or the default.
-    pub(super) fn trials(&self, effort: &Effort) -> Trials {
+    pub(super) fn trials(&self, effort: &Effort<'_>) -> Trials {
         effort.trials_or(|| self.pattern.default_trials(self.n_points))
     }
 }
@@ -109,7 +109,7 @@ impl AdaptedCase {
     }
 
     /// Returns the trials: the user's number or the default.
-    pub(super) fn trials(&self, effort: &Effort) -> Trials {
+    pub(super) fn trials(&self, effort: &Effort<'_>) -> Trials {
         effort.trials_or(|| self.pattern.default_trials(self.n_points))
     }
 }

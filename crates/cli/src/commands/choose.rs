@@ -87,13 +87,13 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     if args.square.square {
         return run_square(args, global);
     }
-    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    let functions = parse_integrands(args.integrand.required()?, &global.session)?;
     with_integrals(&functions, args.project.project, |integrals| {
-        let (domain, quiet) = (args.domain.domain(), global.quiet);
-        functions.iter().for_each(|function| function.announce_bias(domain, quiet));
+        let (domain, session) = (args.domain.domain(), &global.session);
+        functions.iter().for_each(|function| function.announce_bias(domain, session));
         let ranked = integrals.ranked().map(|(integral, _)| integral.integrand);
         let announce: Vec<_> = ranked
-            .map(|integrand| move |lmax: usize| integrand.announce_energies(domain, lmax, quiet))
+            .map(|integrand| move |lmax: usize| integrand.announce_energies(domain, lmax, session))
             .collect();
         // All channels are sampled by the densities for luminance.
         let proposed: Option<Expression> = integrals.main().name.parse().ok();
@@ -121,7 +121,7 @@ fn run_square(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
         ("--project", args.project.project.is_some(), NO_HARMONICS),
     ])?;
-    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
+    let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
     let ranking = Ranking::on_square(args, global, &integrand)?;
     Answer::new(vec![ranking], global.seed)?.emit(args, global)
 }

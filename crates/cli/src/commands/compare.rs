@@ -32,9 +32,7 @@ use crate::integrands::{
     self, Integrals, parse_integrands, parse_square_integrand, with_integrals,
 };
 use crate::patterns::{parse_patterns, parse_samplers};
-use crate::report::{
-    Document, Provenance, csv_of, csv_of_present, is_stdout, print, say, write_text,
-};
+use crate::report::{Document, Provenance, csv_of, csv_of_present, is_stdout, write_text};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -110,7 +108,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     if args.effort.square.square {
         return run_square(args, global);
     }
-    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    let functions = parse_integrands(args.integrand.required()?, &global.session)?;
     with_integrals(&functions, args.project.project, |integrals| {
         run_integrals(args, global, integrals)
     })
@@ -122,7 +120,7 @@ fn run_integrals(
     integrals: &Integrals<'_>,
 ) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
-    let samplers = parse_samplers(&args.samplers.required()?, global.quiet)?;
+    let samplers = parse_samplers(&args.samplers.required()?, &global.session)?;
     let cases = DirectionCase::all(&samplers, args.counts.list(), domain, true)?;
     let plan = args.effort.plan(integrals, global, true)?;
     rows::check(&plan, &cases)?;
@@ -135,8 +133,8 @@ fn run_integrals(
 /// Compares patterns of the unit square.
 fn run_square(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let effort = square_rows::settings(&args.effort, args.project, &[], global, true)?;
-    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
-    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
+    let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
+    let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, true)?;
     let output = Output::open(args, global)?;
     let (rows, energy) = square_rows::run(&integrand, &effort, &cases)?;
@@ -161,7 +159,7 @@ struct Output<'a> {
 impl<'a> Output<'a> {
     /// Reserves the folder before the work starts.
     fn open(args: &'a CompareArgs, global: &'a Global) -> Result<Self, CliError> {
-        let provenance = Provenance::new(global.seed);
+        let provenance = Provenance::new(&global.session, global.seed);
         let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
         Ok(Self { args, global, provenance, folder })
     }
@@ -183,10 +181,10 @@ impl<'a> Output<'a> {
         let written = Written { body: &body, rows, curves: &curves, energy, subject };
         folder.write(|folder| written.to(folder, &provenance))?;
         if global.json {
-            return Document::new(&body, &provenance).print();
+            return Document::new(&body, &provenance).print(&global.session);
         }
-        print(&text(&body, &subject.text))?;
-        say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
+        global.session.print(&text(&body, &subject.text))?;
+        global.session.say(&format!("Tables and plots are in {}", args.out.display()));
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use crate::args::Cli;
 use crate::error::CliError;
 use crate::files::{AtomicFile, FolderLock, as_group};
 use crate::global::Global;
-use crate::report::{Provenance, print, say};
+use crate::report::Provenance;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar completions bash > ~/.local/share/bash-completion/completions/sphvar
@@ -41,12 +41,12 @@ pub(crate) fn run(args: &CompletionsArgs, global: &Global) -> Result<(), CliErro
     };
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "sphvar", &mut script);
-    print(&String::from_utf8_lossy(&script))
+    global.session.print(&String::from_utf8_lossy(&script))
 }
 
 /// Writes all pages; an interrupt is delayed until all are written.
 fn write_pages(folder: &Path, global: &Global) -> Result<(), CliError> {
-    let lock = FolderLock::take(folder, &Provenance::new(global.seed).command)?;
+    let lock = FolderLock::take(folder, &Provenance::new(&global.session, global.seed).command)?;
     let mut pages = Vec::new();
     // `help` would have a page for each of the other pages.
     let mut command = Cli::command().disable_help_subcommand(true);
@@ -56,7 +56,7 @@ fn write_pages(folder: &Path, global: &Global) -> Result<(), CliError> {
         pages.iter().try_for_each(|(name, page)| AtomicFile::write_whole(&folder.join(name), page))
     })?;
     drop(lock);
-    say(global.quiet, &format!("{} manual pages are in {}", pages.len(), folder.display()));
+    global.session.say(&format!("{} manual pages are in {}", pages.len(), folder.display()));
     Ok(())
 }
 

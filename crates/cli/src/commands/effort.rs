@@ -80,7 +80,7 @@ impl EffortArgs {
     pub(super) fn plan<'a>(
         &self,
         integrals: &'a Integrals<'a>,
-        global: &Global,
+        global: &'a Global,
         whole_spectra: bool,
     ) -> Result<Plan<'a>, CliError> {
         Ok(Plan {
@@ -93,12 +93,12 @@ impl EffortArgs {
 
     /// Returns the settings of predictions and measurements, with the largest degree or frequency of
     /// spectra.
-    pub(super) fn settings(
+    pub(super) fn settings<'a>(
         &self,
         lmax: Option<usize>,
-        global: &Global,
+        global: &'a Global,
         whole_spectra: bool,
-    ) -> Result<Effort, CliError> {
+    ) -> Result<Effort<'a>, CliError> {
         let (method, epsilon) = self.transform.checked()?;
         let realizations = self.spectrum_realizations;
         let until = |relative| Precision { relative, max_trials: self.max_realizations };
@@ -108,7 +108,7 @@ impl EffortArgs {
             until: self.until_rel.map(until),
             spectra: SpectrumOptions { lmax, realizations, method, epsilon },
             whole_spectra,
-            quiet: global.quiet,
+            session: &global.session,
         })
     }
 }

@@ -13,7 +13,7 @@ use crate::flags::CountArgs;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory};
 use crate::profiles::parse_profile;
-use crate::report::{Document, Provenance, csv_rows, full, print};
+use crate::report::{Document, Provenance, csv_rows, full};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar eval legendre --l 20000 --m 100 --theta 1e-3
@@ -188,8 +188,8 @@ fn check_size(what: &str, l: usize) -> Result<(), CliError> {
 
 fn output(global: &Global, body: &impl Serialize, text: String) -> Result<(), CliError> {
     if global.json {
-        Document::new(body, &Provenance::new(global.seed)).print()
+        Document::new(body, &Provenance::new(&global.session, global.seed)).print(&global.session)
     } else {
-        print(&text)
+        global.session.print(&text)
     }
 }

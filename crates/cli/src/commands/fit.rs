@@ -18,7 +18,7 @@ use crate::global::Global;
 use crate::memory::check_degree;
 use crate::progress::Progress;
 use crate::report::{
-    Column, Document, Forms, Provenance, check_result, csv_of, emit, number, print, say, table_of,
+    Column, Document, Forms, Provenance, check_result, csv_of, emit, number, table_of,
 };
 use crate::values::Values;
 
@@ -127,7 +127,7 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
         return Err(CliError::Usage(format!("{expected}, got {}", sources.len())));
     }
     let values = Values::read(sources, &args.files.options(), domain)?;
-    values.remarks.iter().for_each(|remark| say(global.quiet, remark));
+    values.remarks.iter().for_each(|remark| global.session.say(remark));
     let name = values.name();
     let error = |error: FitError| match error {
         FitError::TooFewPoints { .. } | FitError::Ridge { .. } => {
@@ -139,22 +139,22 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
     /// The number of iterations of a typical fit, for the progress bar.
     const TYPICAL_ITERATIONS: f64 = 100.0;
     let work = 2.0 * Method::Fast.nominal_work(0, 2 * args.lmax);
-    let progress = Progress::new(TYPICAL_ITERATIONS * work, global.quiet);
+    let progress = Progress::new(TYPICAL_ITERATIONS * work, &global.session);
     progress.stage("fit");
-    let mut watch = || {
-        progress.advance(work);
-        ControlFlow::Continue(())
+    let mut watch = || match progress.advance(work) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(()),
     };
     let fit = problem.solve(args.lmax, &mut watch).map_err(error)?;
     drop(progress);
     let body = FitBody::new(&values, problem.n_distinct(), args, &fit);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     if let (Some(format), Some(path)) = (coefficients, &args.out) {
         write_coefficients(path, format, &fit.alm)?;
         return if global.json {
-            Document::new(&body, &provenance).print()
+            Document::new(&body, &provenance).print(&global.session)
         } else {
-            print(&body.text())
+            global.session.print(&body.text())
         };
     }
     let csv = || csv_of(&provenance, &body.energies);

@@ -215,7 +215,8 @@ impl Job<'_> {
         }
         if global.json {
             let body = HealpixBody::new(args, order, &to.names, &rows);
-            return Document::new(&body, &Provenance::new(global.seed)).print();
+            return Document::new(&body, &Provenance::new(&global.session, global.seed))
+                .print(&global.session);
         }
         Ok(())
     }

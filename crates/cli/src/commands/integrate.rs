@@ -19,7 +19,7 @@ use crate::integrands::parse_integrand;
 use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print, say};
+use crate::report::{Document, Provenance, is_stdout, number};
 use crate::share::parse_share_or_zero;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -109,9 +109,9 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
             ));
         }
     }
-    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let integrand = parse_integrand(args.integrand.required()?, &global.session)?;
     let pattern = match args.sampler.sampler.as_deref() {
-        Some(text) => parse_pattern(text, global.quiet)?,
+        Some(text) => parse_pattern(text, &global.session)?,
         None => Pattern::FIBONACCI,
     };
     let base = IntegrationOptions::default();
@@ -128,13 +128,13 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
     let largest = args.max_points as f64 / 2.0 / 16.0;
     let in_memory = rayon::current_num_threads().min(16) as f64;
     check_memory("--max-points", BYTES_PER_POINT * largest * in_memory)?;
-    let progress = Progress::new(0.0, global.quiet);
+    let progress = Progress::new(0.0, &global.session);
     progress.stage(&pattern.label());
     let start = Instant::now();
     let integral = integrate(&*integrand.function, &options, &progress).map_err(of_options)?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let to_stdout = args.nodes.as_deref().is_some_and(is_stdout);
     if let Some(path) = args.nodes.as_deref() {
         let nodes = options.nodes(integral.n_points)?;
@@ -159,11 +159,11 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
         seconds,
     };
     if global.json {
-        Document::new(&body, &provenance).print()?;
+        Document::new(&body, &provenance).print(&global.session)?;
     } else if !to_stdout {
-        print(&body.text())?;
+        global.session.print(&body.text())?;
     }
-    body.remarks.iter().for_each(|remark| say(global.quiet, remark));
+    body.remarks.iter().for_each(|remark| global.session.say(remark));
     if body.converged {
         return Ok(());
     }

@@ -136,7 +136,7 @@ pub(crate) fn run(args: &LightsArgs, global: &Global) -> Result<(), CliError> {
         counts => counts,
     };
     let format = args.out.as_deref().map(TableFormat::of_path).transpose()?;
-    let samplers = LightSampler::parse_list(&args.samplers, global.quiet)?;
+    let samplers = LightSampler::parse_list(&args.samplers, &global.session)?;
     let is_single = samplers.len() == 1 && counts.len() == 1;
     if matches!(format, Some(TableFormat::Csv | TableFormat::Glsl)) && !is_single {
         return Err(CliError::Usage(
@@ -147,10 +147,11 @@ pub(crate) fn run(args: &LightsArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.picture {
         picture::check(path, samplers.len() * counts.len())?;
     }
-    let LightProbe { name, pole, environment } = LightProbe::read(&args.environment, global.quiet)?;
+    let LightProbe { name, pole, environment } =
+        LightProbe::read(&args.environment, &global.session)?;
     let setting =
         Setting { environment: &environment, nearest: args.nearest.nearest, seed: global.seed };
-    let progress = Progress::new(0.0, global.quiet);
+    let progress = Progress::new(0.0, &global.session);
     progress.stage("irradiance of the map");
     let reference = IrradianceReference::new(&environment).map_err(CliError::failed)?;
     let mut outcomes = Vec::new();
@@ -161,7 +162,7 @@ pub(crate) fn run(args: &LightsArgs, global: &Global) -> Result<(), CliError> {
         }
     }
     drop(progress);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     if let Some(path) = &args.picture {
         let panels: Vec<Panel<'_>> = outcomes.iter().map(Outcome::panel).collect();
         picture::write(path, pole, &reference, &panels, &provenance)?;

@@ -15,7 +15,7 @@ use crate::error::CliError;
 use crate::files::formats;
 use crate::flags::{CountArgs, DomainArgs, ONE_DOMAIN, SquareArgs};
 use crate::global::Global;
-use crate::report::{Document, Provenance, print};
+use crate::report::{Document, Provenance};
 use crate::spec::unknown_name;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -142,7 +142,8 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
             warps,
             formats,
         };
-        return Document::new(&body, &Provenance::new(global.seed)).print();
+        return Document::new(&body, &Provenance::new(&global.session, global.seed))
+            .print(&global.session);
     }
     let mut page = Page::default();
     if args.kind.is_none() {
@@ -188,7 +189,7 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         warps.iter().flatten().for_each(|entry| entry.show(&mut page));
         formats.iter().flatten().for_each(|entry| entry.show(&mut page));
     }
-    print(page.text())
+    global.session.print(page.text())
 }
 
 /// Rejects names of the other space.

@@ -12,7 +12,7 @@ use crate::error::CliError;
 use crate::files::{Part, Shard, ShardSums, SquareSums};
 use crate::flags::OutArgs;
 use crate::global::Global;
-use crate::report::{Provenance, check_result, say};
+use crate::report::{Provenance, check_result};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 1/2 --save a.shard
@@ -51,14 +51,14 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     if args.files.iter().all(|path| Shard::<SquareSums>::begins(path)) {
         let Shard { ensemble, sums, .. } = merged::<SquareSums>(args, global)?;
         let result = SquareResult::of_sums(&sums, !ensemble.is_random)?;
-        let provenance = Provenance::new(ensemble.seed);
+        let provenance = Provenance::new(&global.session, ensemble.seed);
         let (name, remarks) = (&ensemble.sampler, Remarks::default());
         return emit_square(out, global, name, &result, &remarks, seconds(), &provenance);
     }
     let Shard { ensemble, sums, .. } = merged::<SpectrumAccumulator>(args, global)?;
     let spectrum = sums.finish()?;
     let spectrum = if ensemble.is_random { spectrum } else { spectrum.into_exact() };
-    let provenance = Provenance::new(ensemble.seed);
+    let provenance = Provenance::new(&global.session, ensemble.seed);
     let (name, remarks) = (&ensemble.sampler, Remarks::default());
     emit(out, global, name, &spectrum, remarks, seconds(), &provenance)
 }
@@ -99,7 +99,7 @@ fn merged<S: ShardSums>(args: &MergeArgs, global: &Global) -> Result<Shard<S>, C
         let ranges = in_words(&joined(whole.ranges()), range_in_words);
         format!("{} of {total} realizations: {ranges}", total - count(&missing))
     };
-    say(global.quiet, &format!("{}, {merged}", whole.ensemble.sampler));
+    global.session.say(&format!("{}, {merged}", whole.ensemble.sampler));
     if let Some(path) = &args.save {
         whole.write(path)?;
     }

@@ -20,7 +20,7 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns::{nearest_sampler, parse_patterns};
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, number, print, say};
+use crate::report::{Document, Provenance, number};
 
 /// The degree of the powers without --lmax.
 const DEFAULT_LMAX: usize = 4;
@@ -133,12 +133,14 @@ pub(crate) fn run(args: &RotationsArgs, global: &Global) -> Result<(), CliError>
     if args.counts.list().is_empty() {
         return Err(missing_count());
     }
-    let patterns: Vec<RotationPattern> = parse_patterns(&args.samplers.required()?, global.quiet)?;
+    let patterns: Vec<RotationPattern> =
+        parse_patterns(&args.samplers.required()?, &global.session)?;
     let mut cases = Vec::new();
     for pattern in patterns {
         for &n in args.counts.list() {
             let nearest = args.nearest.nearest;
-            let sampler = nearest_sampler(&pattern, Some(n), RotationGroup, nearest, global.quiet)?;
+            let sampler =
+                nearest_sampler(&pattern, Some(n), RotationGroup, nearest, &global.session)?;
             cases.push(Case { pattern: pattern.clone(), sampler });
         }
     }
@@ -147,7 +149,7 @@ pub(crate) fn run(args: &RotationsArgs, global: &Global) -> Result<(), CliError>
         let bytes = 32.0 * n as f64 * args.realizations as f64;
         check_memory(&format!("{} sets of {n} rotations", args.realizations), bytes)?;
     }
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     if let Some(path) = &args.out {
         let [case] = &cases[..] else {
             let message =
@@ -160,13 +162,12 @@ pub(crate) fn run(args: &RotationsArgs, global: &Global) -> Result<(), CliError>
     let expected: f64 = expected.sum();
     if expected > LONG_SECONDS {
         let time = number::seconds(expected);
-        say(
-            global.quiet,
-            &format!("the measures take about {time}; -o writes the rotations without them"),
-        );
+        global
+            .session
+            .say(&format!("the measures take about {time}; -o writes the rotations without them"));
     }
     let work = |case: &Case| measures::nominal_work(&*case.sampler, args, lmax);
-    let progress = Progress::new(cases.iter().map(work).sum(), global.quiet);
+    let progress = Progress::new(cases.iter().map(work).sum(), &global.session);
     let rows = cases
         .iter()
         .map(|case| MeasuresRecord::new(case, args, lmax, global, &progress))
@@ -174,7 +175,7 @@ pub(crate) fn run(args: &RotationsArgs, global: &Global) -> Result<(), CliError>
     drop(progress);
     let body = MeasuresBody { rows };
     if global.json {
-        return Document::new(&body, &provenance).print();
+        return Document::new(&body, &provenance).print(&global.session);
     }
-    print(&body.text())
+    global.session.print(&body.text())
 }

@@ -19,6 +19,7 @@ use crate::integrands::{Integral, Integrals, NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns::{BandsOf, PredictedPattern, SamplerName, n_effective};
 use crate::progress::Progress;
+use crate::session::Session;
 
 /// The settings of a run for all patterns and numbers of points.
 pub(super) struct Plan<'a> {
@@ -26,12 +27,12 @@ pub(super) struct Plan<'a> {
     pub(super) integrand: &'a NamedIntegrand<'a>,
     pub(super) integrals: &'a Integrals<'a>,
     pub(super) domain: Domain,
-    pub(super) effort: Effort,
+    pub(super) effort: Effort<'a>,
 }
 
 /// The settings of predictions and measurements, for integrands of any space.
 #[derive(Clone, Copy)]
-pub(super) struct Effort {
+pub(super) struct Effort<'a> {
     pub(super) seed: u64,
     /// The number of trials, or the initial one, if the user gave one.
     pub(super) trials: Option<u64>,
@@ -42,7 +43,7 @@ pub(super) struct Effort {
     /// Whether spectra extend to 4 sqrt(N) even if the integrand needs less, because they are
     /// shown.
     pub(super) whole_spectra: bool,
-    pub(super) quiet: bool,
+    pub(super) session: &'a Session,
 }
 
 /// The results of one case for one integral.
@@ -123,7 +124,7 @@ impl ShownEnergy {
     }
 }
 
-impl Effort {
+impl Effort<'_> {
     /// Returns the trials of a sampler: the user's number or the default.
     pub(super) fn trials_of<S: IntegrationSpace>(&self, sampler: S::SamplerRef<'_>) -> Trials {
         self.trials_or(|| Trials::default_of::<S>(sampler))
@@ -168,12 +169,13 @@ pub(super) fn run(
 ) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     check(plan, cases)?;
     let warped = cases.iter().filter_map(DirectionCase::warped).map(|case| &case.pattern);
-    let pulled_back = WarpedIntegrals::new(plan.integrals, plan.domain, plan.effort.quiet, warped)?;
+    let pulled_back =
+        WarpedIntegrals::new(plan.integrals, plan.domain, &plan.effort.session, warped)?;
     let mut warped = pulled_back.predictors(&plan.effort)?;
     let adapted = AdaptedDensities::new(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
-            integral.integrand.announce_energies(plan.domain, lmax, plan.effort.quiet);
+            integral.integrand.announce_energies(plan.domain, lmax, &plan.effort.session);
         }
     };
     let integrals = plan.integrals.all().iter();
@@ -197,7 +199,7 @@ pub(super) fn run(
             DirectionCase::Adapted(case) => adapted.work(case, &plan.effort),
         };
     }
-    let progress = Progress::new(work, plan.effort.quiet);
+    let progress = Progress::new(work, &plan.effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&case.stage());
@@ -237,7 +239,7 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[DirectionCase]) -> Result<(), CliE
 /// Rejects cases of uniform patterns that cannot be run.
 pub(super) fn check_uniform(plan: &Plan<'_>, cases: &[&Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
-    plan.integrand.announce_bias(plan.domain, plan.effort.quiet);
+    plan.integrand.announce_bias(plan.domain, &plan.effort.session);
     let SpectrumOptions { method, epsilon, .. } = plan.effort.spectra;
     for case in cases {
         let n_points = case.n_points();

@@ -23,7 +23,6 @@ use crate::integrands::strategies_of;
 use crate::patterns::{self, DirectionSampler};
 use crate::plots::{OrthographicView, PlotError, SquareView};
 use crate::point_sets::{RotatedSets, ShiftedSets};
-use crate::report::say;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -85,7 +84,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.square.square {
         return sample_square(sampler, args, global);
     }
-    match patterns::parse_sampler(sampler, global.quiet)? {
+    match patterns::parse_sampler(sampler, &global.session)? {
         DirectionSampler::Uniform(pattern) => sample_uniform(&pattern, args, global),
         DirectionSampler::Warped(pattern) => sample_warped(&pattern, args, global),
         DirectionSampler::Adapted(pattern) => Err(CliError::Usage(format!(
@@ -97,7 +96,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
 fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let domain = args.domain.domain();
-    let sampler = patterns::nearest_sampler(pattern, n, domain, nearest, global.quiet)?;
+    let sampler = patterns::nearest_sampler(pattern, n, domain, nearest, &global.session)?;
     let last_empty_degree = sampler.last_empty_degree();
     let remark = last_empty_degree.map(|last| no_power(last, sampler.domain()));
     let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
@@ -128,7 +127,7 @@ fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Resu
     sets.write(args, global)?;
     // The statement is about sets that exist: the work may fail or be interrupted.
     if let Some(empty) = &remark {
-        say(global.quiet, &format!("{pattern}, N = {}: {empty}", sampler.n_points()));
+        global.session.say(&format!("{pattern}, N = {}: {empty}", sampler.n_points()));
     }
     Ok(())
 }
@@ -160,9 +159,9 @@ fn sample_warped(
         let remark = format!(
             "{label}: {n_points} points, the valid count nearest to the requested {requested}"
         );
-        say(global.quiet, &remark);
+        global.session.say(&remark);
     }
-    let all = strategies_of(&[&pattern.warp], args.domain.domain(), global.quiet)?;
+    let all = strategies_of(&[&pattern.warp], args.domain.domain(), &global.session)?;
     let drawn = WarpedRealizations::new(
         &all[0],
         pattern.heuristic,
@@ -188,7 +187,7 @@ fn sample_warped(
 fn sample_square(sampler: &str, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let (pattern, sampler) =
-        patterns::sampler_of::<SquarePattern, _>(sampler, n, Square, nearest, global.quiet)?;
+        patterns::sampler_of::<SquarePattern, _>(sampler, n, Square, nearest, &global.session)?;
     let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
     let drawn = if args.shift {
         SquareRealizations::shifted(&*sampler, streams)

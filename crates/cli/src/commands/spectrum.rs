@@ -233,7 +233,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     }
     let started = Instant::now();
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
-    let pairs = args.pairs.settings(domain, n_points, lmax, global.quiet)?;
+    let pairs = args.pairs.settings(domain, n_points, lmax, &global.session)?;
     let (sets, count): (&dyn Ensemble, u64) = match (&source, &given) {
         (Source::Files { sets }, _) => (sets.sets(), count),
         (_, Some(sets)) => (sets, count),
@@ -253,7 +253,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     };
     let pair_work = pairs.as_ref().map_or(0.0, |pairs| pairs.work(n_points));
     let work = set_work + method.nominal_work(n_points, lmax) + pair_work;
-    let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
+    let progress = Progress::new((part.end - part.start) as f64 * work, &global.session);
     progress.stage(&name);
     let empty = (
         SpectrumAccumulator::new(domain, n_points, lmax),
@@ -277,7 +277,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };
     let seconds = started.elapsed().as_secs_f64();
 
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     if let Some(path) = &args.save {
         let ensemble = SavedEnsemble {
             sampler: name.clone(),
@@ -320,14 +320,14 @@ fn run_exact(
     check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
     let started = Instant::now();
     let name = pattern.to_string();
-    let progress = Progress::new(exact.work(lmax), global.quiet);
+    let progress = Progress::new(exact.work(lmax), &global.session);
     progress.stage(&name);
     let spectrum = exact.to(lmax, &progress)?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     let weights = WeightSums::of_sampler(sampler)?;
     let remarks = Remarks { has_no_error: false, weights, pairs: None };
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
@@ -360,11 +360,11 @@ pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let Some(name) = &args.sets.sampler.sampler else {
-        let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
+        let sets = FileSets::read(&args.sets.files, domain, &global.session)?;
         return Ok(Source::Files { sets });
     };
     let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
-    let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
+    let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, &global.session)?;
     if args.exact && ExactSpectrum::of(&*sampler).is_none() {
         return Err(sampled_only(&pattern));
     }

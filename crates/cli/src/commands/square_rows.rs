@@ -20,13 +20,13 @@ const MAX_SHOWN: usize = 256;
 
 /// Rejects options that do not apply to the square, and returns the settings of a run; set
 /// `whole_spectra` if the spectra are shown.
-pub(super) fn settings(
+pub(super) fn settings<'a>(
     args: &EffortArgs,
     project: ProjectArgs,
     other: &[(&str, bool, &str)],
-    global: &Global,
+    global: &'a Global,
     whole_spectra: bool,
-) -> Result<Effort, CliError> {
+) -> Result<Effort<'a>, CliError> {
     args.square.without(&[
         ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
         ("--lmax", args.lmax.lmax.is_some(), USE_KMAX),
@@ -55,7 +55,7 @@ fn check_frequencies(kmax: usize) -> Result<(), CliError> {
 /// energies of the integrand.
 pub(super) fn run(
     integrand: &NamedSquareIntegrand,
-    effort: &Effort,
+    effort: &Effort<'_>,
     cases: &[Case<SquarePattern>],
 ) -> Result<(Vec<Row>, ShownEnergy), CliError> {
     let wrong = |e| CliError::Usage(format!("{}: {e}", integrand.name));
@@ -69,7 +69,7 @@ pub(super) fn run(
         let trials = effort.trials_of::<Square>(case.sampler());
         work += predictor.work(case.sampler())? + trials.work_of::<Square>(case.sampler());
     }
-    let progress = Progress::new(work, effort.quiet);
+    let progress = Progress::new(work, &effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));

@@ -124,7 +124,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     if args.effort.square.square {
         return run_square(args, global);
     }
-    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    let functions = parse_integrands(args.integrand.required()?, &global.session)?;
     with_integrals(&functions, args.project.project, |integrals| {
         run_integrals(args, global, integrals)
     })
@@ -136,7 +136,7 @@ fn run_integrals(
     integrals: &Integrals<'_>,
 ) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
-    let samplers = parse_samplers(&args.samplers.required()?, global.quiet)?;
+    let samplers = parse_samplers(&args.samplers.required()?, &global.session)?;
     let cases = DirectionCase::all(&samplers, args.counts.list(), domain, args.nearest.nearest)?;
     let plan = args.effort.plan(integrals, global, false)?;
     if args.no_rotate {
@@ -180,8 +180,8 @@ fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
         ("--rotations", args.rotations.is_some(), SHIFTED),
     ];
     let effort = square_rows::settings(&args.effort, args.project, &other, global, false)?;
-    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
-    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
+    let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
+    let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, args.nearest.nearest)?;
     let (rows, _) = square_rows::run(&integrand, &effort, &cases)?;
     write(args, global, &rows, &integrand.subject(), None)
@@ -195,7 +195,7 @@ fn write(
     subject: &str,
     visible_half: Option<Vec<VisibleHalfRecord>>,
 ) -> Result<(), CliError> {
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let body = VarianceBody { rows: rows.iter().map(RowRecord::new).collect(), visible_half };
     let chart = || Ok(variance_chart(&Curve::all(rows), subject));
     let forms = Forms {
@@ -214,7 +214,7 @@ fn run_fixed(
     cases: &[&Case],
 ) -> Result<(), CliError> {
     let (body, chart) = fixed_orientation::run(plan, cases)?;
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),
         chart: Some(&|| Ok(chart.clone())),
@@ -229,7 +229,7 @@ fn run_over_rotations(
     global: &Global,
     body: &OverRotationsBody,
 ) -> Result<(), CliError> {
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),
         chart: None,

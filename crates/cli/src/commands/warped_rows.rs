@@ -11,6 +11,7 @@ use crate::error::CliError;
 use crate::integrands::{Integral, Integrals, strategies_of};
 use crate::patterns::DirectionSampler;
 use crate::progress::Progress;
+use crate::session::Session;
 
 /// All integrals pulled back by the warps of all cases, each distinct warp once.
 pub(super) struct WarpedIntegrals<'a> {
@@ -36,7 +37,7 @@ impl<'a> WarpedIntegrals<'a> {
     pub(super) fn new<'p>(
         integrals: &Integrals<'a>,
         domain: Domain,
-        quiet: bool,
+        session: &Session,
         patterns: impl Iterator<Item = &'p WarpedPattern>,
     ) -> Result<Self, CliError> {
         let mut distinct: Vec<&WarpedPattern> = Vec::new();
@@ -55,7 +56,7 @@ impl<'a> WarpedIntegrals<'a> {
             )));
         }
         let warps: Vec<&WarpExpression> = distinct.iter().map(|pattern| &pattern.warp).collect();
-        let strategies = strategies_of(&warps, domain, quiet)?;
+        let strategies = strategies_of(&warps, domain, session)?;
         let pulled_back = |(pattern, strategies): (&WarpedPattern, Vec<_>)| {
             let (warp, heuristic) = (pattern.warp.clone(), pattern.heuristic);
             let of_integral = |integral: &Integral<'a>| {
@@ -83,7 +84,7 @@ impl<'a> WarpedIntegrals<'a> {
     }
 
     /// Returns the predictors of all integrals.
-    pub(super) fn predictors(&self, effort: &Effort) -> Result<WarpedPredictors<'_>, CliError> {
+    pub(super) fn predictors(&self, effort: &Effort<'_>) -> Result<WarpedPredictors<'_>, CliError> {
         let mut warps = Vec::new();
         for warp in &self.warps {
             let mut predictors = Vec::new();
@@ -110,7 +111,7 @@ impl<'a> WarpedPredictors<'a> {
     }
 
     /// Returns the maximum nominal work of a case.
-    pub(super) fn work(&mut self, case: &WarpedCase, effort: &Effort) -> Result<f64, CliError> {
+    pub(super) fn work(&mut self, case: &WarpedCase, effort: &Effort<'_>) -> Result<f64, CliError> {
         let WarpedCase { pattern, n_points, .. } = case;
         let of_trials = case.trials(effort).count as f64 * pattern.trial_work(*n_points);
         self.of(case).map(|predictor| Ok(predictor.work(pattern, *n_points)? + of_trials)).sum()

@@ -19,7 +19,8 @@ use crate::global::Global;
 use crate::memory::check_degree;
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print, say};
+use crate::report::{Document, Provenance, is_stdout, number};
+use crate::session::Session;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar weights data/stars.csv --degree 10
@@ -102,7 +103,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
         check_degree("--degree", degree)?;
     }
     let domain = args.domain.domain();
-    let files = FileSets::read(&args.files, domain, global.quiet)?;
+    let files = FileSets::read(&args.files, domain, &global.session)?;
     let [set] = files.sets().sets() else {
         return Err(CliError::Failed(format!(
             "{}: weights are computed for one set of points, got {} sets",
@@ -111,18 +112,20 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
         )));
     };
     if !set.weights.is_empty() {
-        say(global.quiet, "the weights in the file are ignored");
+        global.session.say("the weights in the file are ignored");
     }
     let signs = if args.nonnegative { WeightSigns::Nonnegative } else { WeightSigns::Any };
     let problem = QuadratureProblem::new(&set.points, domain, signs).map_err(CliError::failed)?;
     let (n, n_distinct) = (set.len(), problem.n_distinct());
     if n_distinct < n {
         let repeated = n - n_distinct;
-        say(global.quiet, &format!("{repeated} of {n} points are repeated and share their weight"));
+        global
+            .session
+            .say(&format!("{repeated} of {n} points are repeated and share their weight"));
     }
-    let rule = solve(&problem, args.degree, n, global.quiet)?;
+    let rule = solve(&problem, args.degree, n, &global.session)?;
     let weighted = PointSet { points: set.points.clone(), weights: rule.weights.clone() };
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let to_stdout = args.out.as_deref().is_some_and(is_stdout);
     if let Some(path) = args.out.as_deref().filter(|_| !(to_stdout && global.json)) {
         let sets = std::slice::from_ref(&weighted);
@@ -145,7 +148,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
         weights: (!is_written).then_some(rule.weights),
     };
     if global.json {
-        Document::new(&body, &provenance).print()
+        Document::new(&body, &provenance).print(&global.session)
     } else if to_stdout {
         Ok(())
     } else {
@@ -153,7 +156,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
         if args.out.is_none() {
             text += "\n-o FILE writes the points with their weights.\n";
         }
-        print(&text)
+        global.session.print(&text)
     }
 }
 
@@ -174,17 +177,17 @@ fn solve(
     problem: &QuadratureProblem<'_>,
     degree: Option<usize>,
     n: usize,
-    quiet: bool,
+    session: &Session,
 ) -> Result<QuadratureWeights, CliError> {
     /// The number of iterations of a typical solution, for the progress bar.
     const TYPICAL_ITERATIONS: f64 = 100.0;
     let largest = degree.unwrap_or(problem.largest_possible_degree());
     let work = 2.0 * Method::Auto.nominal_work(n, largest);
-    let progress = Progress::new(TYPICAL_ITERATIONS * work, quiet);
+    let progress = Progress::new(TYPICAL_ITERATIONS * work, session);
     progress.stage("weights");
-    let mut watch = || {
-        progress.advance(work);
-        ControlFlow::Continue(())
+    let mut watch = || match progress.advance(work) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(()),
     };
     let Some(degree) = degree else {
         return problem.solve_largest(largest, &mut watch).map_err(CliError::failed);

@@ -10,6 +10,7 @@ use sphvar_variance::WarpedPattern;
 use super::{text, texts};
 use crate::args::Cli;
 use crate::error::CliError;
+use crate::session::Session;
 
 pub(super) fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
     texts(&[
@@ -24,7 +25,9 @@ pub(super) fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
 }
 
 pub(super) fn samplers(input: &[u8], _: &Path) -> Result<(), CliError> {
-    for pattern in crate::patterns::parse_patterns::<Pattern>(&text(input), true)? {
+    for pattern in
+        crate::patterns::parse_patterns::<Pattern>(&text(input), &Session::default().muted())?
+    {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let n = pattern.nearest_count(48, domain);
             crate::patterns::build(&pattern, n, domain, true)?;
@@ -46,7 +49,7 @@ pub(super) fn integrand_names(_: &Path) -> Vec<Vec<u8>> {
 }
 
 pub(super) fn integrand(input: &[u8], _: &Path) -> Result<(), CliError> {
-    crate::integrands::parse_integrand(&text(input), true).map(drop)
+    crate::integrands::parse_integrand(&text(input), &Session::default().muted()).map(drop)
 }
 
 pub(super) fn warp_names(_: &Path) -> Vec<Vec<u8>> {

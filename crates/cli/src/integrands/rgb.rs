@@ -4,7 +4,8 @@ use sphvar_integrands::{Expression, Term};
 
 use super::{IntegrandFiles, NamedIntegrand, parse_expression};
 use crate::error::CliError;
-use crate::report::{remark, remark_on_channels};
+use crate::report::remark_on_channels;
+use crate::session::Session;
 
 /// The value of `channel` for all channels of the next list.
 const RGB: &str = "rgb";
@@ -12,18 +13,18 @@ const RGB: &str = "rgb";
 const CHANNELS: [&str; 4] = ["r", "g", "b", "luminance"];
 
 /// Returns the integrands of an expression: one, or with `channel=rgb` those of red, green, blue
-/// and, as the last one, luminance. Reads every file once and prints remarks, unless `quiet`.
+/// and, as the last one, luminance. Reads every file once and reports remarks.
 ///
 /// Names are the expressions of single channels.
 pub(crate) fn parse_integrands(
     text: &str,
-    quiet: bool,
+    session: &Session,
 ) -> Result<Vec<NamedIntegrand<'static>>, CliError> {
     let expression = parse_expression(text)?;
     let files = IntegrandFiles::default();
     if !expression.terms().any(is_rgb) {
         let integrand = files.build(&expression, text.to_owned())?;
-        files.remarks.take().iter().for_each(|text| remark(quiet, text));
+        files.remarks.take().iter().for_each(|text| session.remark(text));
         return Ok(vec![integrand]);
     }
     let of_channel = |channel: &'static str| {
@@ -34,7 +35,7 @@ pub(crate) fn parse_integrands(
     };
     let read = CHANNELS.into_iter().map(of_channel).collect::<Result<Vec<_>, CliError>>()?;
     let (integrands, remarks): (Vec<_>, Vec<_>) = read.into_iter().unzip();
-    remark_on_channels(quiet, &remarks);
+    remark_on_channels(session, &remarks);
     Ok(integrands)
 }
 

@@ -10,7 +10,7 @@ use sphvar_integrands::{
 use super::IntegrandFiles;
 use crate::error::CliError;
 use crate::files::{ChannelChoice, decode_picture, input_name};
-use crate::report::remark;
+use crate::session::Session;
 
 /// An integrand on the square with its name in tables.
 pub(crate) struct NamedSquareIntegrand {
@@ -27,11 +27,11 @@ impl NamedSquareIntegrand {
     }
 }
 
-/// Returns the integrand of one expression. Reads the files that it names and prints remarks on
-/// them, unless `quiet`.
+/// Returns the integrand of one expression. Reads the files that it names and reports remarks on
+/// them.
 pub(crate) fn parse_square_integrand(
     text: &str,
-    quiet: bool,
+    session: &Session,
 ) -> Result<NamedSquareIntegrand, CliError> {
     let expression: SquareExpression =
         text.parse().map_err(|error| match text.parse::<Expression>() {
@@ -49,7 +49,7 @@ pub(crate) fn parse_square_integrand(
         Error::File(source) => CliError::of_resolver(&source),
         other => CliError::usage(other),
     })?;
-    files.remarks.take().iter().for_each(|text| remark(quiet, text));
+    files.remarks.take().iter().for_each(|text| session.remark(text));
     Ok(NamedSquareIntegrand { name: text.to_owned(), function })
 }
 

@@ -5,14 +5,14 @@ use sphvar_samplers::Domain;
 
 use super::IntegrandFiles;
 use crate::error::CliError;
-use crate::report::remark;
+use crate::session::Session;
 
-/// Returns the densities of warps over a domain. Reads every picture once and prints remarks on the
-/// files, unless `quiet`.
+/// Returns the densities of warps over a domain. Reads every picture once and reports remarks on the
+/// files.
 pub(crate) fn strategies_of(
     warps: &[&WarpExpression],
     domain: Domain,
-    quiet: bool,
+    session: &Session,
 ) -> Result<Vec<Vec<Strategy>>, CliError> {
     let files = IntegrandFiles::default();
     let strategies = |warp: &&WarpExpression| {
@@ -22,6 +22,6 @@ pub(crate) fn strategies_of(
         })
     };
     let all = warps.iter().map(strategies).collect();
-    files.remarks.take().iter().for_each(|text| remark(quiet, text));
+    files.remarks.take().iter().for_each(|text| session.remark(text));
     all
 }

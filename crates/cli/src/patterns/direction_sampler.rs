@@ -12,6 +12,7 @@ use super::{
 };
 use crate::error::CliError;
 use crate::memory::check_points;
+use crate::session::Session;
 use crate::spec::Spec;
 
 /// A sampler of directions by which integrals are estimated.
@@ -65,24 +66,27 @@ impl fmt::Display for DirectionSampler {
 }
 
 /// Returns the samplers of a list such as `jittered,sobol:warp=cosine`; `all` are the patterns of
-/// the sphere. Prints remarks on files of points unless `quiet`.
-pub(crate) fn parse_samplers(text: &str, quiet: bool) -> Result<Vec<DirectionSampler>, CliError> {
+/// the sphere. Reports remarks on files of points.
+pub(crate) fn parse_samplers(
+    text: &str,
+    session: &Session,
+) -> Result<Vec<DirectionSampler>, CliError> {
     let mut samplers = Vec::new();
     for spec in Spec::parse_list(text)? {
         if spec.text == ALL {
             samplers.extend(Pattern::all().into_iter().map(DirectionSampler::Uniform));
         } else {
-            samplers.push(parse_sampler(&spec.text, quiet)?);
+            samplers.push(parse_sampler(&spec.text, session)?);
         }
     }
     with_distinct_labels(&mut samplers, DirectionSampler::name, DirectionSampler::use_long_label);
     Ok(samplers)
 }
 
-/// Returns the sampler of one name. Prints remarks on files of points unless `quiet`.
-pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler, CliError> {
+/// Returns the sampler of one name. Reports remarks on files of points.
+pub(crate) fn parse_sampler(text: &str, session: &Session) -> Result<DirectionSampler, CliError> {
     if WarpedPattern::is_warped(text) {
-        return parse_warped(text, quiet).map(DirectionSampler::Warped);
+        return parse_warped(text, session).map(DirectionSampler::Warped);
     }
     if AdaptedPattern::is_adapted(text) {
         let adapted = text.parse::<AdaptedPattern>();
@@ -90,7 +94,7 @@ pub(crate) fn parse_sampler(text: &str, quiet: bool) -> Result<DirectionSampler,
             .map(DirectionSampler::Adapted)
             .map_err(|error| CliError::Usage(with_text(text, &error)));
     }
-    parse_pattern(text, quiet).map(DirectionSampler::Uniform)
+    parse_pattern(text, session).map(DirectionSampler::Uniform)
 }
 
 /// Why tessellations for a density have no prediction.
@@ -115,9 +119,9 @@ pub(crate) fn check_square_pattern(text: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-fn parse_warped(text: &str, quiet: bool) -> Result<WarpedPattern, CliError> {
+fn parse_warped(text: &str, session: &Session) -> Result<WarpedPattern, CliError> {
     check_square_pattern(text)?;
-    WarpedPattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
+    WarpedPattern::parse(text, &PatternFiles { session }).map_err(|error| match error {
         Error::Spectrum(sphvar_spectrum::Error::Sampler(error)) => {
             error_of_pattern::<SquarePattern>(text, error)
         }

@@ -13,15 +13,15 @@ use crate::error::CliError;
 use crate::files::{
     FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_profile,
 };
-use crate::report::say;
+use crate::session::Session;
 
 /// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
 /// it reads `--points`.
-pub(crate) struct PatternFiles {
-    pub(super) quiet: bool,
+pub(crate) struct PatternFiles<'a> {
+    pub(super) session: &'a Session,
 }
 
-impl FileResolver for PatternFiles {
+impl FileResolver for PatternFiles<'_> {
     fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError> {
         read_profile(file).map_err(|error| ResolveError::new(CliError::from(error)))
     }
@@ -38,7 +38,7 @@ impl FileResolver for PatternFiles {
     }
 }
 
-impl PatternFiles {
+impl PatternFiles<'_> {
     fn read<S: Space<Point: FilePoint>>(
         &self,
         source: &PointFileParameters<S>,
@@ -77,7 +77,7 @@ impl PatternFiles {
             return Err(errors.swap_remove(0));
         }
         for error in errors {
-            say(self.quiet, &format!("warning: {error}; the file is not used"));
+            self.session.say(&format!("warning: {error}; the file is not used"));
         }
         Ok(read)
     }
@@ -90,17 +90,14 @@ impl PatternFiles {
     ) -> Result<PointFile<P>, CliError> {
         let file = read_points(path, options)?;
         let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
-        warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
+        warnings.chain(file.remarks).for_each(|remark| self.session.say(&remark));
         let name = path.display().to_string();
         if file.sets.len() > 1 {
             let count = file.sets.len();
-            say(
-                self.quiet,
-                &format!(
-                    "{name}: an ensemble of {count} sets; predictions are exact for these, not for \
+            self.session.say(&format!(
+                "{name}: an ensemble of {count} sets; predictions are exact for these, not for \
                      the ensemble that they come from"
-                ),
-            );
+            ));
         }
         let is_weighted = file.sets.iter().any(|set| !set.weights.is_empty());
         // Only weights are checked set by set.

@@ -1,15 +1,16 @@
-//! The output of a result: to standard output, or to a file in the format of its extension.
+//! The output of a result: to the output of the run, or to a file in the format of its extension.
 
 use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{Provenance, is_stdout, lower_extension, print, print_json, write_text};
+use super::{Provenance, is_stdout, lower_extension, write_text};
 use crate::error::CliError;
 use crate::files::is_stream;
 use crate::global::Global;
 use crate::plots::{Chart, ImageFormat};
+use crate::session::Session;
 
 /// A result with what makes it reproducible: the document of `--json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -25,9 +26,9 @@ impl<'a, T: Serialize> Document<'a, T> {
         Self { body, provenance }
     }
 
-    /// Prints the document to standard output.
-    pub(crate) fn print(&self) -> Result<(), CliError> {
-        print_json(self)
+    /// Prints the document to the output of the run.
+    pub(crate) fn print(&self, session: &Session) -> Result<(), CliError> {
+        session.print(&(serde_json::to_string(self).map_err(CliError::failed)? + "\n"))
     }
 }
 
@@ -64,11 +65,11 @@ pub(crate) fn emit<T: Serialize>(
         }
     }
     if global.json {
-        document.print()
+        document.print(&global.session)
     } else if to_stdout {
         Ok(())
     } else {
-        print(&(forms.text)())
+        global.session.print(&(forms.text)())
     }
 }
 

@@ -1,11 +1,6 @@
 //! The output of results: tables, CSV and JSON, each with its provenance.
 
-use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
-
-use serde::Serialize;
 
 pub(crate) use self::document::{Document, Forms, emit};
 pub(crate) use self::number::full;
@@ -15,8 +10,8 @@ pub(crate) use self::table::{Column, table, table_of};
 use crate::error::CliError;
 pub(crate) use crate::files::is_stdout;
 use crate::files::{AtomicFile, is_stream};
-use crate::message;
 use crate::plots::ImageFormat;
+use crate::session::Session;
 
 mod document;
 pub(crate) mod number;
@@ -24,45 +19,17 @@ mod provenance;
 mod rows;
 mod table;
 
-/// Prints text to standard output.
-pub(crate) fn print(text: &str) -> Result<(), CliError> {
-    let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| CliError::stdout(&e))
-}
-
-/// Prints a message to standard error, unless `quiet`.
-pub(crate) fn say(quiet: bool, text: &str) {
-    if !quiet {
-        message::write(text);
-    }
-}
-
-/// Prints a remark on an input, unless `quiet`: each text once, also where a run reads a file again.
-pub(crate) fn remark(quiet: bool, text: &str) {
-    static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    let is_new = |printed: &mut BTreeSet<String>| printed.insert(text.to_owned());
-    if !quiet && is_new(&mut PRINTED.lock().unwrap_or_else(PoisonError::into_inner)) {
-        message::write(text);
-    }
-}
-
-/// Prints the remarks on channels of a picture, unless `quiet`; one that all channels share does not
-/// name them.
-pub(crate) fn remark_on_channels(quiet: bool, of_channels: &[(&str, Vec<String>)]) {
+/// Reports the remarks on channels of a picture; one that all channels share does not name them.
+pub(crate) fn remark_on_channels(session: &Session, of_channels: &[(&str, Vec<String>)]) {
     for (channel, remarks) in of_channels {
         for text in remarks {
             if of_channels.iter().all(|(_, others)| others.contains(text)) {
-                remark(quiet, text);
+                session.remark(text);
             } else {
-                remark(quiet, &format!("{channel} of {text}"));
+                session.remark(&format!("{channel} of {text}"));
             }
         }
     }
-}
-
-/// Prints the single JSON document of `--json`.
-pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CliError> {
-    print(&(serde_json::to_string(document).map_err(CliError::failed)? + "\n"))
 }
 
 /// Writes a text file, complete or not at all; `-` is standard output.

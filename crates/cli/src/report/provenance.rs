@@ -1,12 +1,12 @@
 //! The provenance of a result: the data needed to reproduce it.
 
 use std::borrow::Cow;
-use std::ffi::OsString;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::message;
+use crate::session::Session;
 
 /// The data that make a result reproducible.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -21,10 +21,9 @@ pub(crate) struct Provenance {
 
 impl Provenance {
     /// Returns the provenance of this run.
-    pub(crate) fn new(seed: u64) -> Self {
+    pub(crate) fn new(session: &Session, seed: u64) -> Self {
         // A line break would end the comment in which the command is written.
-        let word = |word: OsString| quoted(&message::escape(&word.to_string_lossy()));
-        let words = std::env::args_os().skip(1).map(word);
+        let words = session.words().iter().map(|word| quoted(&message::escape(word)));
         Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
     }
 

@@ -153,7 +153,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     };
     let n_effective = measured.as_ref().map_or(n_points as f64, |m| m.n_effective);
     let integrand =
-        args.integrand.integrand.as_deref().map(|text| parse_integrand(text, global.quiet));
+        args.integrand.integrand.as_deref().map(|text| parse_integrand(text, &global.session));
     let integrand = integrand.transpose()?;
     let consequences = Consequences::new(args, integrand.as_ref(), domain, n_points, n_effective)?;
     let predicted = match &integrand {
@@ -180,7 +180,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         }
         (None, None) => {}
     }
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let body = BoundsBody {
         n: n_points,
         n_effective: (n_effective.to_bits() != (n_points as f64).to_bits()).then_some(n_effective),

@@ -66,7 +66,7 @@ impl Measured {
         global: &Global,
     ) -> Result<Self, CliError> {
         let (n, nearest) = (args.count.count, args.nearest.nearest);
-        let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
+        let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, &global.session)?;
         let n_points = sampler.n_points();
         let natural = Resolution::natural_degree(n_points);
         let natural =
@@ -87,7 +87,7 @@ impl Measured {
         } else if let Some(exact) = exact {
             let bytes = exact.bytes(lmax, rayon::current_num_threads());
             check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
-            let progress = Progress::new(exact.work(lmax), global.quiet);
+            let progress = Progress::new(exact.work(lmax), &global.session);
             progress.stage(&pattern.label());
             exact.to(lmax, &progress)?
         } else {
@@ -177,7 +177,7 @@ fn of_realizations(
     let resolution = Resolution::new(lmax, n_points);
     check_transform(resolution, count)?;
     let work = count as f64 * Method::Auto.nominal_work(n_points, lmax);
-    let progress = Progress::new(work, global.quiet);
+    let progress = Progress::new(work, &global.session);
     progress.stage(&pattern.label());
     let empty = SpectrumAccumulator::new(sampler.domain(), n_points, lmax);
     Ok(accumulate(&sets, resolution, 0..count, &empty, &progress)?.finish()?)
@@ -200,7 +200,7 @@ fn sampled(
     }
     let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
     let work = sampler.nominal_work() + Method::Auto.nominal_work(n_points, lmax);
-    let progress = Progress::new(count as f64 * work, global.quiet);
+    let progress = Progress::new(count as f64 * work, &global.session);
     progress.stage(&pattern.to_string());
     let ensemble = Realizations::rotated(sampler, streams);
     Ok(estimate(&ensemble, lmax, realizations, &progress)?)

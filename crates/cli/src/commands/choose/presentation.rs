@@ -59,7 +59,7 @@ impl<'a> Answer<'a> {
 
     /// Writes and prints the answer in the requested form.
     pub(super) fn emit(&self, args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
-        let provenance = Provenance::new(global.seed);
+        let provenance = Provenance::new(&global.session, global.seed);
         let forms = Forms {
             csv: &|| csv_of(&provenance, &self.body.rows),
             chart: Some(&|| {

@@ -64,7 +64,7 @@ impl<'a> Ranking<'a> {
         let (integrand, domain) = (integral.integrand, args.domain.domain());
         check_domain(integrand, domain)?;
         let named = args.samplers.list();
-        let named = named.map(|list| parse_samplers(&list, global.quiet)).transpose()?;
+        let named = named.map(|list| parse_samplers(&list, &global.session)).transpose()?;
         let of = |function: &'a dyn Integrand| {
             Predictor::new(function, domain, global.seed, PredictionBudget::DEFAULT)
                 .map_err(CliError::usage)
@@ -100,7 +100,8 @@ impl<'a> Ranking<'a> {
         let proposed = proposed.filter(|_| !is_named && !integral.is_irradiance());
         let n_densities =
             proposed.map_or(warped.len(), |p| WarpExpression::proposed(p, domain).len());
-        let progress = Progress::new(shares.iter().sum::<f64>() + n_densities as f64, global.quiet);
+        let progress =
+            Progress::new(shares.iter().sum::<f64>() + n_densities as f64, &global.session);
         let mut contest = Contest::new(question, global.seed, is_named, &progress);
         // Patterns that are expensive to generate come after the densities, with which they must
         // compete.
@@ -115,13 +116,13 @@ impl<'a> Ranking<'a> {
                 {
                     row.record.coefficients = coefficients_of(&candidate, &mut coefficients)?;
                 }
-                progress.advance(share);
+                progress.advance(share)?;
             }
             Ok::<_, CliError>(())
         };
         add(&mut contest, &mut predictor, n_inexpensive)?;
-        let (function, seed, quiet) = (&*integrand.function, global.seed, global.quiet);
-        let of_warps = WarpedIntegral { function, integrand: expression, domain, seed, quiet };
+        let (function, seed, session) = (&*integrand.function, global.seed, &global.session);
+        let of_warps = WarpedIntegral { function, integrand: expression, domain, seed, session };
         let white = |n: usize| predictor.white_variance(n);
         of_warps.add_named(&mut contest, warped, &progress, &white)?;
         if let Some(proposed) = proposed {
@@ -161,7 +162,7 @@ impl<'a> Ranking<'a> {
     ) -> Result<Self, CliError> {
         let named = args.samplers.list();
         let named: Option<Vec<SquarePattern>> =
-            named.map(|list| parse_patterns(&list, global.quiet)).transpose()?;
+            named.map(|list| parse_patterns(&list, &global.session)).transpose()?;
         let function = &*integrand.function;
         let budget = PredictionBudget::DEFAULT;
         let mut predictor = SquarePredictor::new(function, global.seed, budget)
@@ -176,12 +177,12 @@ impl<'a> Ranking<'a> {
             |p| p.nominal_work(typical),
             |p| square_share(p, typical),
         );
-        let progress = Progress::new(shares.iter().sum(), global.quiet);
+        let progress = Progress::new(shares.iter().sum(), &global.session);
         let mut contest = Contest::new(question, global.seed, is_named, &progress);
         let white = |predictor: &SquarePredictor<'_>, n: usize| predictor.white_variance(n);
         for (pattern, share) in patterns.into_iter().zip(shares) {
             contest.add(pattern, &mut predictor, white);
-            progress.advance(share);
+            progress.advance(share)?;
         }
         let Contest { question, rows, left_out, .. } = contest;
         Self {

@@ -14,6 +14,7 @@ use super::row::Row;
 use crate::error::CliError;
 use crate::integrands::strategies_of;
 use crate::progress::Progress;
+use crate::session::Session;
 
 /// The patterns of the square that are ranked with every density, inexpensive ones of different kinds.
 const FIRST: [&str; 3] = ["sobol", "r2", "jittered-square"];
@@ -35,7 +36,7 @@ pub(super) struct WarpedIntegral<'a> {
     pub(super) integrand: Option<&'a Expression>,
     pub(super) domain: Domain,
     pub(super) seed: u64,
-    pub(super) quiet: bool,
+    pub(super) session: &'a Session,
 }
 
 /// A function pulled back by one or several densities.
@@ -70,7 +71,7 @@ impl<'a> WarpedIntegral<'a> {
             }
         }
         let warps: Vec<&WarpExpression> = groups.iter().map(|group| &group[0].warp).collect();
-        let strategies = strategies_of(&warps, self.domain, self.quiet)?;
+        let strategies = strategies_of(&warps, self.domain, self.session)?;
         for (patterns, strategies) in groups.into_iter().zip(strategies) {
             let share = patterns.len() as f64;
             let first = patterns[0].clone();
@@ -91,7 +92,7 @@ impl<'a> WarpedIntegral<'a> {
                     }
                 }
             }
-            progress.advance(share);
+            progress.advance(share)?;
         }
         Ok(())
     }
@@ -137,7 +138,7 @@ impl<'a> WarpedIntegral<'a> {
                     contest.leave_out(pattern.to_string(), pattern.label(), reason);
                 }
             }
-            progress.advance(1.0);
+            progress.advance(1.0)?;
         }
         pulled_back.sort_by(|a, b| a.0.total_cmp(&b.0));
         let within_reach = pulled_back.iter().filter(|(merit, _)| merit.is_finite());
@@ -191,11 +192,11 @@ impl<'a> WarpedIntegral<'a> {
     /// Returns the densities of warps, or the reason why one is not available.
     fn strategies(&self, warps: &[WarpExpression]) -> Vec<Result<Vec<Strategy>, String>> {
         let all: Vec<&WarpExpression> = warps.iter().collect();
-        if let Ok(all) = strategies_of(&all, self.domain, self.quiet) {
+        if let Ok(all) = strategies_of(&all, self.domain, self.session) {
             return all.into_iter().map(Ok).collect();
         }
         let of_one = |warp| {
-            let one = strategies_of(&[warp], self.domain, true);
+            let one = strategies_of(&[warp], self.domain, &self.session.muted());
             one.map(|mut one| one.remove(0)).map_err(|error| error.to_string())
         };
         warps.iter().map(of_one).collect()

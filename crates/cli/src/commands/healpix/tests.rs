@@ -11,6 +11,7 @@ use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{Columns, Number, read_list};
 use crate::report::{Document, Provenance};
+use crate::session::Session;
 
 /// Runs `sphvar healpix` with these arguments.
 fn healpix(words: &str) -> Result<(), CliError> {
@@ -327,7 +328,7 @@ fn document_has_a_key_for_each_column() {
     let Command::Healpix(args) = Cli::try_parse_from(words).unwrap().command else {
         panic!("another command");
     };
-    let provenance = Provenance::new(0);
+    let provenance = Provenance::new(&Session::default(), 0);
     let rows = [[1.5, 0.25], [2.5, 3e-300]];
     let order = "nested";
     let body = HealpixBody::new(&args, order, &RADIANS.names, &rows);

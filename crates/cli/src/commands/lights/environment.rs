@@ -9,6 +9,7 @@ use sphvar_scene::RgbEnvironment;
 use crate::error::CliError;
 use crate::integrands::environment::{Environment, bytes_of, to_map};
 use crate::report::remark_on_channels;
+use crate::session::Session;
 
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["r", "g", "b"];
@@ -23,9 +24,8 @@ pub(super) struct LightProbe {
 }
 
 impl LightProbe {
-    /// Reads a map from the path of a file or from `env:FILE,key=value`. Prints remarks, unless
-    /// `quiet`.
-    pub(super) fn read(argument: &OsStr, quiet: bool) -> Result<Self, CliError> {
+    /// Reads a map from the path of a file or from `env:FILE,key=value`. Reports remarks.
+    pub(super) fn read(argument: &OsStr, session: &Session) -> Result<Self, CliError> {
         let parameters = parse(argument)?;
         let name = Term::Environment(parameters.clone()).to_string();
         let EnvironmentParameters { file, picture } = parameters;
@@ -44,7 +44,7 @@ impl LightProbe {
             Ok(read.map)
         };
         let [r, g, b] = CHANNELS.map(read);
-        remark_on_channels(quiet, &remarks);
+        remark_on_channels(session, &remarks);
         let pole = picture.up.map_or(DVec3::Z, UpAxis::direction);
         let environment = RgbEnvironment::new([r?, g?, b?], to_map(pole).inverse())
             .map_err(|error| CliError::Failed(format!("{}: {error}", file.display())))?;

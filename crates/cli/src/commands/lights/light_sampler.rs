@@ -12,6 +12,7 @@ use crate::error::CliError;
 use crate::integrands::strategies_of;
 use crate::memory::check_points;
 use crate::patterns::{DirectionSampler, PatternKind, build, parse_pattern, parse_sampler};
+use crate::session::Session;
 use crate::spec::{Spec, unknown_name};
 
 /// The name of the density of the map in specifications.
@@ -53,23 +54,23 @@ pub(super) struct Setting<'a> {
 }
 
 impl LightSampler {
-    pub(super) fn parse_list(text: &str, quiet: bool) -> Result<Vec<Self>, CliError> {
+    pub(super) fn parse_list(text: &str, session: &Session) -> Result<Vec<Self>, CliError> {
         let specs = Spec::parse_list(text)?;
-        specs.into_iter().map(|spec| Self::parse(spec, quiet)).collect()
+        specs.into_iter().map(|spec| Self::parse(spec, session)).collect()
     }
 
-    fn parse(mut spec: Spec, quiet: bool) -> Result<Self, CliError> {
+    fn parse(mut spec: Spec, session: &Session) -> Result<Self, CliError> {
         if spec.name == MEDIAN_CUT {
             spec.finish(&[])?;
             return Ok(Self::MedianCut);
         }
         if WarpedText::is_warped(&spec.text) {
-            return Self::parse_warped(&spec.text, quiet);
+            return Self::parse_warped(&spec.text, session);
         }
         let density = if spec.name == CCVT { spec.take("density") } else { None };
         let Some(density) = density else {
             check_name(&spec.name)?;
-            return Ok(Self::Uniform(parse_pattern(&spec.text, quiet)?));
+            return Ok(Self::Uniform(parse_pattern(&spec.text, session)?));
         };
         if density != LUMINANCE {
             return Err(unknown_name("density", &density, &[LUMINANCE]));
@@ -80,10 +81,10 @@ impl LightSampler {
         Ok(Self::Cells { capacity })
     }
 
-    fn parse_warped(text: &str, quiet: bool) -> Result<Self, CliError> {
+    fn parse_warped(text: &str, session: &Session) -> Result<Self, CliError> {
         let parts: WarpedText = text.parse().map_err(CliError::usage)?;
         if parts.warp == LUMINANCE && parts.heuristic.is_none() {
-            let pattern = parse_pattern(&parts.pattern, quiet)?;
+            let pattern = parse_pattern(&parts.pattern, session)?;
             return Ok(Self::Luminance { text: parts, pattern });
         }
         let names_luminance = parts.warp.split([' ', ',']).any(|word| word == LUMINANCE);
@@ -93,14 +94,14 @@ impl LightSampler {
                  \"0.9 * env:FILE + 0.1 * cylinder\""
             )));
         }
-        Ok(match parse_sampler(text, quiet)? {
+        Ok(match parse_sampler(text, session)? {
             DirectionSampler::Uniform(pattern) => Self::Uniform(pattern),
             DirectionSampler::Adapted(pattern) => {
                 let own = format!("{CCVT}:density={LUMINANCE}");
                 return Err(CliError::Usage(format!("{pattern}: lights has {own} only")));
             }
             DirectionSampler::Warped(pattern) => {
-                let strategies = strategies_of(&[&pattern.warp], Domain::Sphere, quiet)?;
+                let strategies = strategies_of(&[&pattern.warp], Domain::Sphere, session)?;
                 Self::Warped { pattern, strategies: strategies.concat() }
             }
         })

@@ -9,6 +9,7 @@ use super::prefixes::Prefixes;
 use super::record::ReferenceRecord;
 use crate::error::CliError;
 use crate::patterns::{self, PredictedPattern, SamplerName, SamplerRef, parse_patterns};
+use crate::session::Session;
 
 /// The text for no reference.
 const NONE: &str = "none";
@@ -29,12 +30,12 @@ impl<P: PredictedPattern> ReferencePattern<P> {
         text: &str,
         counts: &ReferenceCounts,
         space: P::Space,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Vec<Self>, CliError> {
         if text == NONE {
             return Ok(Vec::new());
         }
-        let patterns = parse_patterns::<P>(text, quiet)?;
+        let patterns = parse_patterns::<P>(text, session)?;
         let all = patterns.iter().map(|pattern| Self::new(pattern, &counts.few, space));
         let all: Vec<Self> = all.collect::<Result<_, _>>()?;
         // All have the same numbers of points, or a smaller set would stand for a valid one.

@@ -21,7 +21,7 @@ use crate::integrands::{
 };
 use crate::patterns::{PredictedPattern, parse_patterns, parse_samplers};
 use crate::progress::Progress;
-use crate::report::say;
+use crate::session::Session;
 
 /// The errors on one integral.
 pub(super) struct IntegralErrors {
@@ -85,26 +85,26 @@ struct Study<P: PredictedPattern> {
     reference: Vec<ReferencePattern<P>>,
     counts: ReferenceCounts,
     trials: PrefixTrials,
-    quiet: bool,
+    session: Session,
 }
 
 /// Computes errors on the sphere or the hemisphere.
 pub(super) fn run_sphere(args: &ProgressiveArgs, global: &Global) -> Result<(), CliError> {
-    let (domain, quiet) = (args.domain.domain(), global.quiet);
-    let functions = parse_integrands(args.integrand.required()?, quiet)?;
+    let (domain, session) = (args.domain.domain(), &global.session);
+    let functions = parse_integrands(args.integrand.required()?, session)?;
     let samplers = with_all::<Pattern>(&args.samplers.required()?)?;
-    let samplers = parse_samplers(&samplers, quiet)?;
+    let samplers = parse_samplers(&samplers, session)?;
     let sequences = SpaceSequence::of_directions(&samplers, args.counts.list(), domain)?;
-    let study = Study::new(args, domain, sequences, quiet)?;
+    let study = Study::new(args, domain, sequences, session)?;
     with_integrals(&functions, None, |integrals| {
         for integral in integrals.all() {
             check_domain(integral.integrand, domain)?;
-            integral.integrand.announce_bias(domain, quiet);
+            integral.integrand.announce_bias(domain, session);
         }
         let patterns = study.sequences.iter().filter_map(SpaceSequence::warped);
-        let warped = WarpedIntegrals::new(integrals, domain, quiet, patterns)?;
+        let warped = WarpedIntegrals::new(integrals, domain, session, patterns)?;
         let announce = |integral: &'_ Integral<'_>, lmax: usize| {
-            integral.integrand.announce_energies(domain, lmax, quiet);
+            integral.integrand.announce_energies(domain, lmax, session);
         };
         let on_energies: Vec<_> =
             integrals.all().iter().map(|i| move |lmax: usize| announce(i, lmax)).collect();
@@ -117,12 +117,12 @@ pub(super) fn run_sphere(args: &ProgressiveArgs, global: &Global) -> Result<(), 
 
 /// Computes errors on the unit square.
 pub(super) fn run_square(args: &ProgressiveArgs, global: &Global) -> Result<(), CliError> {
-    let quiet = global.quiet;
-    let integrand = parse_square_integrand(args.integrand.required()?, quiet)?;
+    let session = &global.session;
+    let integrand = parse_square_integrand(args.integrand.required()?, session)?;
     let patterns = with_all::<SquarePattern>(&args.samplers.required()?)?;
-    let patterns = parse_patterns::<SquarePattern>(&patterns, quiet)?;
+    let patterns = parse_patterns::<SquarePattern>(&patterns, session)?;
     let sequences = SpaceSequence::of_patterns(&patterns, args.counts.list(), Square)?;
-    let study = Study::new(args, Square, sequences, quiet)?;
+    let study = Study::new(args, Square, sequences, session)?;
     let function = &*integrand.function;
     let wrong = |e| CliError::Usage(format!("{}: {e}", integrand.name));
     let predictor = SquarePredictor::new(function, global.seed, PredictionBudget::DEFAULT);
@@ -140,20 +140,20 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> Study<P> {
         args: &ProgressiveArgs,
         space: P::Space,
         sequences: Vec<SpaceSequence<P>>,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Self, CliError> {
         let prefixes = || sequences.iter().map(SpaceSequence::prefixes);
         if prefixes().any(Prefixes::has_gaps) {
             let text = format!(
                 "with more than {MAX_EVERY} points, only the prefixes in the table are computed; list others with -n"
             );
-            say(quiet, &text);
+            session.say(&text);
         }
         let counts = ReferenceCounts::of(sequences.iter().map(SpaceSequence::prefixes));
-        let reference = ReferencePattern::all(&args.reference, &counts, space, quiet)?;
+        let reference = ReferencePattern::all(&args.reference, &counts, space, session)?;
         let randomized = if args.no_rotate { Randomized::AsDrawn } else { Randomized::Rotated };
         let trials = PrefixTrials { count: args.realizations, randomized };
-        Ok(Self { space, sequences, reference, counts, trials, quiet })
+        Ok(Self { space, sequences, reference, counts, trials, session: session.clone() })
     }
 
     /// Runs all integrals, with one progress bar.
@@ -165,7 +165,7 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> Study<P> {
         for integral in &mut integrals {
             work += self.work(integral)?;
         }
-        let progress = Progress::new(work, self.quiet);
+        let progress = Progress::new(work, &self.session);
         integrals.iter_mut().map(|integral| self.errors(integral, &progress)).collect()
     }
 

@@ -24,7 +24,7 @@ impl Results {
 
     /// Writes the results in the requested form.
     pub(super) fn emit(self, args: &ProgressiveArgs, global: &Global) -> Result<(), CliError> {
-        let provenance = Provenance::new(global.seed);
+        let provenance = Provenance::new(&global.session, global.seed);
         let text = self.text();
         let chart = self.chart();
         let body = self.body();

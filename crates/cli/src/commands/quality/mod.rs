@@ -102,7 +102,7 @@ pub(crate) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
     let sources = Source::all(&args.samplers.required()?, args, global)?;
 
     let work = sources.iter().map(|s| s.count as f64 * s.sampler.nominal_work()).sum();
-    let progress = Progress::new(work, global.quiet);
+    let progress = Progress::new(work, &global.session);
     let mut measured = Vec::new();
     for source in sources {
         progress.stage(&source.name);
@@ -128,7 +128,7 @@ pub(crate) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
     let rows: Vec<QualityRecord> =
         measured.iter().zip(ranks).map(|(m, rank)| QualityRecord::new(m, rank)).collect();
     let measures: Vec<MeasureRow> = measured.iter().flat_map(MeasureRow::all).collect();
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let body = QualityBody::new(rows);
     let chart = || {
         let references = references.as_ref().ok_or_else(|| {

@@ -13,6 +13,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns::{self, PatternKind, parse_patterns};
 use crate::progress::Progress;
+use crate::session::Session;
 
 /// A sampler with the number of its realizations.
 pub(super) struct Source {
@@ -33,10 +34,10 @@ impl Source {
         global: &Global,
     ) -> Result<Vec<Self>, CliError> {
         let (domain, nearest) = (args.domain.domain(), args.nearest.nearest);
-        let patterns = patterns_and_files(list, global.quiet)?;
+        let patterns = patterns_and_files(list, &global.session)?;
         let sources = patterns.into_iter().map(|pattern: Pattern| {
             let n = args.count.count;
-            let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, global.quiet)?;
+            let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, &global.session)?;
             let count = match given_sets(&*sampler) {
                 Some(sets) => sets.len() as u64,
                 None if sampler.is_random() => args.realizations,
@@ -70,7 +71,7 @@ impl Source {
 /// Returns the patterns of a list, in which an existing file needs no `file:`.
 pub(super) fn patterns_and_files<P: PatternKind>(
     list: &str,
-    quiet: bool,
+    session: &Session,
 ) -> Result<Vec<P>, CliError> {
     let texts: Vec<String> = Spec::parse_list(list)?
         .into_iter()
@@ -80,7 +81,7 @@ pub(super) fn patterns_and_files<P: PatternKind>(
         })
         .collect();
     // Together, so that files of the same name have different labels.
-    parse_patterns(&texts.join(","), quiet)
+    parse_patterns(&texts.join(","), session)
 }
 
 /// Returns the sets of a file.

@@ -29,11 +29,11 @@ pub(super) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
     let patterns: Vec<SquarePattern> =
-        patterns_and_files(&args.samplers.required()?, global.quiet)?;
+        patterns_and_files(&args.samplers.required()?, &global.session)?;
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let samplers = patterns
         .iter()
-        .map(|pattern| nearest_sampler(pattern, n, Square, nearest, global.quiet))
+        .map(|pattern| nearest_sampler(pattern, n, Square, nearest, &global.session))
         .collect::<Result<Vec<_>, _>>()?;
     let work = |sampler: &dyn SquareSampler| match sampler.distribution() {
         SquareDistribution::OneOf(_) => 0.0,
@@ -41,7 +41,7 @@ pub(super) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
         _ => sampler.nominal_work(),
     };
     let progress =
-        Progress::new(samplers.iter().map(|sampler| work(&**sampler)).sum(), global.quiet);
+        Progress::new(samplers.iter().map(|sampler| work(&**sampler)).sum(), &global.session);
     let mut records = Vec::new();
     for (pattern, sampler) in patterns.iter().zip(&samplers) {
         progress.stage(&pattern.label());
@@ -60,7 +60,7 @@ pub(super) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
         records.push(SquareQualityRecord::new(pattern.to_string(), pattern.label(), &qualities));
     }
     drop(progress);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let rows: Vec<SquareMeasureRow> = records.iter().flat_map(SquareMeasureRow::all).collect();
     let body = SquareQualityBody::new(records);
     let forms =

@@ -6,7 +6,8 @@ use sphvar_scene::Image;
 
 use super::colours::quantile;
 use super::stage::Stage;
-use crate::report::{number, say};
+use crate::report::number;
+use crate::session::Session;
 
 /// A value shown as white.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,12 @@ const BLACK: f64 = 1.0 / 256.0;
 /// Returns the value shown as white: the requested one, or 1 for shares, or the 99th percentile of
 /// the lit pixels. Prints a remark if few pixels are far brighter, or most of the picture would be
 /// black.
-pub(super) fn white(requested: Option<White>, stage: &Stage, picture: &Image, quiet: bool) -> f64 {
+pub(super) fn white(
+    requested: Option<White>,
+    stage: &Stage,
+    picture: &Image,
+    session: &Session,
+) -> f64 {
     let seen = || {
         let pixels = picture.values.iter().zip(&picture.coverage);
         pixels.filter(|(_, coverage)| **coverage > 0.0).map(|(&value, _)| value)
@@ -80,7 +86,7 @@ pub(super) fn white(requested: Option<White>, stage: &Stage, picture: &Image, qu
             number::value(median),
             number::value(white),
         );
-        say(quiet, &text);
+        session.say(&text);
     }
     white
 }

@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::progress::Progress;
-use crate::report::say;
+use crate::session::Session;
 
 /// A reference image with this multiple of the number of directions is accurate enough: where
 /// errors fall as N^-1.5, its error is 1 % of the picture's.
@@ -29,7 +29,7 @@ pub(super) const WARPED_DIRECTIONS: usize = 8192;
 pub(super) struct Reference {
     plan: Plan,
     file: Option<ReferenceFile>,
-    quiet: bool,
+    session: Session,
 }
 
 impl Reference {
@@ -67,7 +67,7 @@ impl Reference {
             None => user_cache(),
         };
         let file = folder.map(|folder| ReferenceFile::new(&folder, &description));
-        Ok(Self { plan, file, quiet: global.quiet })
+        Ok(Self { plan, file, session: global.session.clone() })
     }
 
     /// Returns the image, from the cache or rendered.
@@ -76,20 +76,17 @@ impl Reference {
             match file.read() {
                 Stored::Image(image) => return Ok(image),
                 Stored::Missing => (),
-                Stored::Unusable => say(
-                    self.quiet,
-                    &format!(
-                        "{} is damaged; the reference image is rendered again",
-                        file.path().display()
-                    ),
-                ),
+                Stored::Unusable => self.session.say(&format!(
+                    "{} is damaged; the reference image is rendered again",
+                    file.path().display()
+                )),
             }
         }
         let image = self.make(stage)?;
         if let Some(file) = &self.file {
             // Without the cache the next run only takes longer.
             if let Err(error) = file.write(&image) {
-                say(self.quiet, &format!("the reference image cannot be stored: {error}"));
+                self.session.say(&format!("the reference image cannot be stored: {error}"));
             }
         }
         Ok(image)
@@ -104,7 +101,7 @@ impl Reference {
                  directions; increase --reference-count",
                 self.plan.n_points()
             );
-            say(self.quiet, &text);
+            self.session.say(&text);
         }
     }
 
@@ -112,7 +109,7 @@ impl Reference {
         let view = stage.view()?;
         let n_pixels = view.region().width * view.region().height;
         let work = n_pixels as f64 * self.plan.pixel_work();
-        let progress = Progress::new(work, self.quiet);
+        let progress = Progress::new(work, &self.session);
         progress.stage("reference image");
         let sets = self.plan.prepare(0).map_err(CliError::failed)?;
         stage

@@ -14,6 +14,7 @@ use super::stage::Stage;
 use crate::error::CliError;
 use crate::integrands::strategies_of;
 use crate::patterns::{SamplerName, check_square_pattern, parse_pattern, parse_patterns};
+use crate::session::Session;
 use crate::spec::Spec;
 
 /// The densities of a render apart from those of every command, for help texts.
@@ -50,29 +51,33 @@ enum NamedDensity {
 
 impl RenderSampler {
     /// Reads a sampler; `mode` is that of uniform directions.
-    pub(super) fn parse(text: &str, mode: DirectionMode, quiet: bool) -> Result<Self, CliError> {
+    pub(super) fn parse(
+        text: &str,
+        mode: DirectionMode,
+        session: &Session,
+    ) -> Result<Self, CliError> {
         if WarpedText::is_warped(text) {
-            return Ok(Self::Warped(Box::new(WarpedSampler::parse(text, quiet)?)));
+            return Ok(Self::Warped(Box::new(WarpedSampler::parse(text, session)?)));
         }
-        Ok(Self::Uniform(parse_pattern(text, quiet)?, mode))
+        Ok(Self::Uniform(parse_pattern(text, session)?, mode))
     }
 
     /// Reads a list of samplers, in which uniform ones come first.
     pub(super) fn parse_list(
         text: &str,
         mode: DirectionMode,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Vec<Self>, CliError> {
         let texts = Spec::parse_list(text)?.into_iter().map(|spec| spec.text);
         let (warped, uniform): (Vec<_>, Vec<_>) = texts.partition(|t| WarpedText::is_warped(t));
         let mut samplers = Vec::new();
         // Together, so that the labels of files of the same name differ.
         if !uniform.is_empty() {
-            let patterns = parse_patterns(&uniform.join(","), quiet)?;
+            let patterns = parse_patterns(&uniform.join(","), session)?;
             samplers.extend(patterns.into_iter().map(|pattern| Self::Uniform(pattern, mode)));
         }
         for text in warped {
-            samplers.push(Self::parse(&text, mode, quiet)?);
+            samplers.push(Self::parse(&text, mode, session)?);
         }
         Ok(samplers)
     }
@@ -107,10 +112,10 @@ impl RenderSampler {
 }
 
 impl WarpedSampler {
-    fn parse(text: &str, quiet: bool) -> Result<Self, CliError> {
+    fn parse(text: &str, session: &Session) -> Result<Self, CliError> {
         let parts: WarpedText = text.parse().map_err(CliError::usage)?;
         check_square_pattern(&parts.pattern)?;
-        let pattern: SquarePattern = parse_pattern(&parts.pattern, quiet).map_err(|error| {
+        let pattern: SquarePattern = parse_pattern(&parts.pattern, session).map_err(|error| {
             let unquoted = |quoted| CliError::usage(Error::Unquoted { quoted });
             parts.quoted(text).map_or(error, unquoted)
         })?;
@@ -134,10 +139,10 @@ impl WarpedSampler {
     pub(super) fn densities(
         &self,
         stage: &Stage,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Vec<(Density, f64)>, CliError> {
         let strategies = |warp: &WarpExpression, domain| {
-            Ok::<_, CliError>(strategies_of(&[warp], domain, quiet)?.into_iter().flatten())
+            Ok::<_, CliError>(strategies_of(&[warp], domain, session)?.into_iter().flatten())
         };
         let mut densities = Vec::new();
         for (density, share) in &self.densities {

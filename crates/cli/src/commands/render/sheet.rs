@@ -18,7 +18,7 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::plots::{ContactSheet, SheetPanel};
 use crate::progress::Progress;
-use crate::report::{Column, Document, Provenance, is_stdout, number, print, table_of};
+use crate::report::{Column, Document, Provenance, is_stdout, number, table_of};
 use crate::spec::Spec;
 
 /// The default number of directions.
@@ -95,7 +95,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let panels = panels?;
     let samplers = || panels.iter().flatten();
     args.check_mode(samplers())?;
-    let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
+    let stage = args.stage.stage(PANEL_SIZE, &global.session)?;
     let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
     let mut requests = Vec::new();
     for &n in counts {
@@ -121,12 +121,12 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let reference = Reference::new(args, &stage, is_warped, global)?;
     reference.remark(max_points);
     let reference = reference.image(&stage)?;
-    let white = white(args.white, &stage, &reference, global.quiet);
+    let white = white(args.white, &stage, &reference, &global.session);
     let mut cost = 0.0;
     for trials in patterns(&requests) {
         cost += trials.work(&stage)?;
     }
-    let progress = Progress::new(cost, global.quiet);
+    let progress = Progress::new(cost, &global.session);
     let (mut pictures, mut records) = (Vec::new(), Vec::new());
     for requested in &requests {
         match requested {
@@ -142,19 +142,19 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         }
     }
     drop(progress);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let columns = requests.len() / counts.len();
     let sheet = ContactSheet { panels: pictures, columns };
     let (size, colours) = sheet.pixels()?;
     write_png(path, size, &colours, &provenance.line())?;
     if global.json {
         let body = SheetBody { panels: records, reference_n: reference.n_points };
-        return Document::new(&body, &provenance).print();
+        return Document::new(&body, &provenance).print(&global.session);
     }
     if is_stdout(path) {
         return Ok(());
     }
-    print(&table_of(&PanelRecord::columns(), &records))
+    global.session.print(&table_of(&PanelRecord::columns(), &records))
 }
 
 /// Parses `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`, which is `None`.
@@ -172,7 +172,8 @@ fn sampler(
         Some((name, mode)) => (name, Some(parse_mode(mode)?)),
         None => (text, None),
     };
-    let sampler = RenderSampler::parse(name, mode.map_or_else(|| args.mode(), Ok)?, global.quiet)?;
+    let sampler =
+        RenderSampler::parse(name, mode.map_or_else(|| args.mode(), Ok)?, &global.session)?;
     if mode.is_some() && sampler.is_warped() {
         return Err(CliError::Usage(format!(
             "{text}: directions of densities have no mode; their sets are shifted at each point"

@@ -19,7 +19,7 @@ use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
 use crate::point_sets::WeightSums;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print, say};
+use crate::report::{Document, Provenance, is_stdout, number};
 
 /// The default number of directions.
 pub(super) const DEFAULT_COUNT: usize = 256;
@@ -164,16 +164,16 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             "-m {renders} needs errors: request them with --mse, --json, --difference or --error"
         )));
     }
-    let sampler = RenderSampler::parse(sampler, args.mode()?, global.quiet)?;
+    let sampler = RenderSampler::parse(sampler, args.mode()?, &global.session)?;
     args.check_mode([&sampler])?;
-    let stage = args.stage.stage(PICTURE_SIZE, global.quiet)?;
+    let stage = args.stage.stage(PICTURE_SIZE, &global.session)?;
     let trials = Trials::new(args, &sampler, &stage, count, renders, global)?;
     Trials::check_sets(args, [&trials])?;
     trials.check(&stage)?;
     let n = trials.plan.n_points();
     if n != count {
         let why = format!("{n} directions, the valid number nearest to the requested {count}");
-        say(global.quiet, &format!("{}: {why}", sampler.name().label));
+        global.session.say(&format!("{}: {why}", sampler.name().label));
     }
     let reference = Reference::new(args, &stage, sampler.is_warped(), global)?;
     let reference = if compare {
@@ -182,19 +182,19 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     } else {
         None
     };
-    let progress = Progress::new(trials.work(&stage)?, global.quiet);
+    let progress = Progress::new(trials.work(&stage)?, &global.session);
     let outcome = trials.run(&stage, reference.as_ref(), &progress)?;
     drop(progress);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance, global)?;
     if let (true, Some(reference), Some(errors)) = (global.json, &reference, &outcome.errors) {
         let body = body(&trials, &outcome, errors, reference)?;
-        return Document::new(&body, &provenance).print();
+        return Document::new(&body, &provenance).print(&global.session);
     }
     if args.out.as_deref().is_some_and(is_stdout) {
         return Ok(());
     }
-    print(&text(&trials, &outcome))
+    global.session.print(&text(&trials, &outcome))
 }
 
 /// Rejects output names that cannot be written, before the work starts.
@@ -315,7 +315,7 @@ fn write_pictures(
         Picture { width, height, values, coverage: None }.write(path, colour, &remark)
     };
     if let Some(path) = &args.out {
-        let white = white(args.white, stage, picture, global.quiet);
+        let white = white(args.white, stage, picture, &global.session);
         let is_whole = picture.coverage.iter().all(|&c| c >= 1.0);
         // A picture that is covered completely needs no alpha channel.
         let coverage = (!is_whole).then_some(&*picture.coverage);

@@ -16,7 +16,7 @@ use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
 use crate::integrands::environment::{Environment, bytes_of, to_map};
-use crate::report::{remark, say};
+use crate::session::Session;
 use crate::spec::{Spec, argument, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
@@ -96,8 +96,8 @@ enum RequestedIntegral {
 impl StageArgs {
     /// Reads the files and checks the numbers.
     ///
-    /// Prints remarks on the files, unless `quiet`.
-    pub(super) fn stage(&self, default_size: usize, quiet: bool) -> Result<Stage, CliError> {
+    /// Reports remarks on the files.
+    pub(super) fn stage(&self, default_size: usize, session: &Session) -> Result<Stage, CliError> {
         let wrong = |error: sphvar_scene::Error| CliError::usage(error);
         let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));
         let mut description = String::new();
@@ -106,7 +106,7 @@ impl StageArgs {
             let CornellBox { scene, camera, light } = CornellBox::new();
             (scene, Some(camera), Some(light))
         } else {
-            let (scene, hash) = self.mesh(quiet)?;
+            let (scene, hash) = self.mesh(session)?;
             description.push_str(&format!("scene obj {hash}"));
             (scene, None, None)
         };
@@ -123,7 +123,7 @@ impl StageArgs {
             }
             None => own_light,
         };
-        let (integral, words) = self.wanted(own_light, up, quiet)?;
+        let (integral, words) = self.wanted(own_light, up, session)?;
         description.push_str(&format!(
             "\ncamera {camera:?}\nsize {size:?} part {region:?} rays {}\n{words}",
             self.pixel_rays
@@ -143,7 +143,7 @@ impl StageArgs {
         Ok(stage)
     }
 
-    fn mesh(&self, quiet: bool) -> Result<(Scene, String), CliError> {
+    fn mesh(&self, session: &Session) -> Result<(Scene, String), CliError> {
         let path = Path::new(&self.scene);
         let name = self.scene.to_ascii_lowercase();
         let is_obj = [".obj", ".obj.gz"].iter().any(|extension| name.ends_with(extension));
@@ -157,7 +157,7 @@ impl StageArgs {
         let bytes = read_whole(path)?;
         let (mesh, remarks) = Mesh::from_obj_with_remarks(&*bytes).map_err(|e| failed(&e))?;
         for remark in remarks.to_string().lines() {
-            say(quiet, &format!("{}: {remark}", self.scene));
+            session.say(&format!("{}: {remark}", self.scene));
         }
         Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
     }
@@ -196,7 +196,7 @@ impl StageArgs {
         &self,
         light: Option<Quad>,
         up: DVec3,
-        quiet: bool,
+        session: &Session,
     ) -> Result<(RequestedIntegral, String), CliError> {
         let text = &self.integral;
         let mut spec = Spec::parse(text)?;
@@ -253,7 +253,7 @@ impl StageArgs {
                 spec.finish(&known.collect::<Vec<_>>())?;
                 let Environment { map, words, remarks } = Environment::read(&file, &picture)?;
                 let pole = picture.up.map(UpAxis::direction);
-                remarks.iter().for_each(|text| remark(quiet, text));
+                remarks.iter().for_each(|text| session.remark(text));
                 let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
                 let to_map = to_map(up);
                 let hash = fingerprint(&bytes_of(&file)?);

@@ -110,13 +110,13 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let counts =
         args.counts.counts.clone().unwrap_or(Counts::doubling(DEFAULT_RANGE.0, DEFAULT_RANGE.1));
     let mut samplers: Vec<RenderSampler> = Vec::new();
-    for sampler in RenderSampler::parse_list(list, args.mode()?, global.quiet)? {
+    for sampler in RenderSampler::parse_list(list, args.mode()?, &global.session)? {
         if !samplers.contains(&sampler) {
             samplers.push(sampler);
         }
     }
     args.check_mode(&samplers)?;
-    let stage = args.stage.stage(STUDY_SIZE, global.quiet)?;
+    let stage = args.stage.stage(STUDY_SIZE, &global.session)?;
     let mut cases: Vec<Trials> = Vec::new();
     for sampler in &samplers {
         for &n in counts.all() {
@@ -138,7 +138,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     reference.remark(cases.iter().map(|case| case.plan.n_points()).max().unwrap_or(0));
     let reference = reference.image(&stage)?;
     let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.work(&stage)).collect();
-    let progress = Progress::new(costs?.iter().sum(), global.quiet);
+    let progress = Progress::new(costs?.iter().sum(), &global.session);
     let (mut rows, mut rays, mut seconds) = (Vec::new(), 0, 0.0);
     for case in &cases {
         let outcome = case.run(&stage, Some(&reference), &progress)?;
@@ -161,7 +161,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let samplers: Vec<StudyRates> = curves.iter().map(Curve::rates).collect();
     let errors: Vec<_> = curves.iter().map(|c| (c.name.clone(), c.points())).collect();
     let crossovers = crossovers(&errors, global.seed);
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let [reference_n, pixels] = [reference.n_points, reference.n_hits()];
     let body = StudyBody { rows, samplers, crossovers, reference_n, pixels, rays, seconds };
     let chart = || {

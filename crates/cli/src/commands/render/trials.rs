@@ -74,7 +74,7 @@ impl Trials {
                 })?)
             }
             RenderSampler::Warped(sampler) => {
-                let densities = sampler.densities(stage, global.quiet)?;
+                let densities = sampler.densities(stage, &global.session)?;
                 let (pattern, heuristic) = (sampler.pattern.clone(), sampler.heuristic);
                 let plan = WarpedPlan::new(pattern, densities, requested, heuristic, global.seed);
                 let plan = plan.map_err(CliError::usage)?;
@@ -146,7 +146,7 @@ impl Trials {
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
         for number in 0..self.renders {
             let sets = self.plan.prepare(number).map_err(CliError::failed)?;
-            progress.advance(self.plan.table_work());
+            progress.advance(self.plan.table_work())?;
             let start = Instant::now();
             let image = stage
                 .with_integral(|integral| render(&view, integral, self.estimator, &*sets, progress))

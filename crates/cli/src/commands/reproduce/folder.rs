@@ -9,6 +9,7 @@ use super::{data, drawing};
 use crate::error::CliError;
 use crate::files::{FileError, FolderLock, PieceStore};
 use crate::report::{Provenance, write_text};
+use crate::session::Session;
 
 /// A folder that only this run writes to.
 pub(super) struct OutFolder {
@@ -25,8 +26,8 @@ pub(super) const TABLES: [&str; 3] = ["claims.csv", "claims.md", "index.html"];
 
 impl OutFolder {
     /// Creates the folder if it is missing, and locks it.
-    pub(super) fn open(root: &Path) -> Result<Self, CliError> {
-        let command = Provenance::new(0).command;
+    pub(super) fn open(root: &Path, session: &Session) -> Result<Self, CliError> {
+        let command = Provenance::new(session, 0).command;
         let lock = FolderLock::take(root, &command)?;
         lock.create_folder(&root.join(FIGURES))?;
         lock.create_folder(&root.join(PIECES))?;

@@ -28,7 +28,7 @@ use self::tables::{CSV_HEADING, csv_rows, plain_table};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, csv, print, say};
+use crate::report::{Document, Provenance, csv};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
@@ -127,11 +127,11 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     let ids = args.ids()?;
     let setting = Setting { scale: args.scale(), seed: global.seed };
     let provenance = args.canonical(&ids, global.seed);
-    let folder = OutFolder::open(&args.out)?;
+    let folder = OutFolder::open(&args.out, &global.session)?;
     let store = folder.pieces()?;
 
     let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
-    let progress = Progress::new(work(&jobs.concat()), global.quiet);
+    let progress = Progress::new(work(&jobs.concat()), &global.session);
     let (mut results, mut drawn) = (Results::new(setting), Vec::new());
     for (&id, jobs) in ids.iter().zip(&jobs) {
         progress.stage(&format!("figure {id}"));
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     folder.write(table, &csv(&provenance, CSV_HEADING, &csv_rows(&claims)))?;
     folder.write(report, &markdown(&claims, &drawn, setting.scale, &provenance))?;
     folder.write(whole, &page::page(&drawn, &claims, &folder, setting.scale, &provenance)?)?;
-    say(global.quiet, &format!("wrote {}", args.out.join("index.html").display()));
+    global.session.say(&format!("wrote {}", args.out.join("index.html").display()));
     if global.json {
         let figures = drawn.iter().map(FigureRecord::new).collect();
         let summary = Summary::new(&claims);
@@ -156,9 +156,9 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
         let verdicts = Verdict::ALL.map(|v| (v.name(), summary.count(v))).into();
         let scale = setting.scale.name();
         let body = ReproductionBody { figures, claims, verdicts, wrong_errata, scale };
-        Document::new(&body, &provenance).print()
+        Document::new(&body, &provenance).print(&global.session)
     } else {
-        print(&plain_table(&claims))
+        global.session.print(&plain_table(&claims))
     }
 }
 

@@ -56,7 +56,7 @@ impl WrittenSets {
             check(path)?;
         }
         let work = args.realizations as f64 * case.sampler.n_points() as f64;
-        let progress = Progress::new(work, global.quiet);
+        let progress = Progress::new(work, &global.session);
         progress.stage(&case.pattern.to_string());
         let ensemble = case.ensemble(args, global);
         let realize = |index| {
@@ -98,7 +98,7 @@ impl WrittenSets {
             write_rotations(path, file, self.format, &self.sets)?;
         }
         if global.json {
-            return Document::new(&self.body(to_stdout), provenance).print();
+            return Document::new(&self.body(to_stdout), provenance).print(&global.session);
         }
         Ok(())
     }

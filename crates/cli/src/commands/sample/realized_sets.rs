@@ -14,7 +14,7 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::plots::{ImageFormat, PlotError};
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, say};
+use crate::report::{Document, Provenance, is_stdout};
 
 /// Realizations of a pattern: `sample --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -82,7 +82,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
         let total = (size_of::<P>() * n_points) as f64 * realizations as f64;
         check_memory(&format!("{realizations} sets of {n_points} points"), total)?;
         let sets = self.realize(realizations as u64, global)?;
-        let provenance = Provenance::new(global.seed);
+        let provenance = Provenance::new(&global.session, global.seed);
         let line = provenance.line();
         let note = self.remark.as_ref().map_or(line.clone(), |remark| format!("{line}; {remark}"));
         let to_stdout = is_stdout(&args.out);
@@ -92,7 +92,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
             }
         } else if !(to_stdout && global.json) {
             if ImageFormat::of_path(&args.out).is_some() && realizations > 1 {
-                say(global.quiet, "the picture shows the first realization");
+                global.session.say("the picture shows the first realization");
             }
             self.write_sets(&args.out, &sets, &note)?;
         }
@@ -114,7 +114,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
                 points,
                 weights,
             };
-            return Document::new(&body, &provenance).print();
+            return Document::new(&body, &provenance).print(&global.session);
         }
         Ok(())
     }
@@ -122,7 +122,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
     /// Returns the sets with the indices from 0.
     fn realize(&self, count: u64, global: &Global) -> Result<Vec<PointSet<P>>, CliError> {
         let set_work = if self.given.is_some() { 0.0 } else { self.set_work };
-        let progress = Progress::with_expected_time(count as f64 * set_work, global.quiet);
+        let progress = Progress::with_expected_time(count as f64 * set_work, &global.session);
         progress.stage(&self.label);
         let realize = |i| {
             let mut set = PointSet::default();

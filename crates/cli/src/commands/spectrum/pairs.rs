@@ -17,6 +17,7 @@ use crate::memory::check_memory;
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 use crate::progress::Progress;
 use crate::report::{Column, number, table_of};
+use crate::session::Session;
 
 /// Flags of the pair correlation.
 #[derive(Debug, Args)]
@@ -141,7 +142,7 @@ impl PairArgs {
         domain: Domain,
         n_points: usize,
         lmax: usize,
-        quiet: bool,
+        session: &Session,
     ) -> Result<Option<PairSettings>, CliError> {
         if !self.pairs {
             return Ok(None);
@@ -156,15 +157,15 @@ impl PairArgs {
         let density = match self.density.as_deref() {
             None => None,
             Some("weights") => Some(Density::InverseWeights),
-            Some(text) => Some(density(text, domain, quiet)?),
+            Some(text) => Some(density(text, domain, session)?),
         };
         Ok(Some(PairSettings { bins, density, lmax }))
     }
 }
 
 /// Returns the density of an integrand.
-fn density(text: &str, domain: Domain, quiet: bool) -> Result<Density, CliError> {
-    let function = parse_integrand(text, quiet)?.function;
+fn density(text: &str, domain: Domain, session: &Session) -> Result<Density, CliError> {
+    let function = parse_integrand(text, session)?.function;
     let wrong = |why: String| CliError::Usage(format!("--density {text}: {why}"));
     let integral = function.exact(domain).ok_or_else(|| wrong("its integral is unknown".into()))?;
     let mean = integral / domain.area();

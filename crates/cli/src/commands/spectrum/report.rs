@@ -11,7 +11,7 @@ use super::pairs::PairBody;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::point_sets::WeightSums;
-use crate::report::{self, Column, Forms, Provenance, csv_of, number, say, table_of};
+use crate::report::{self, Column, Forms, Provenance, csv_of, number, table_of};
 
 /// The mean angular power spectrum of a pattern or of points in files: `spectrum --json`, `merge
 /// --json`.
@@ -130,7 +130,7 @@ pub(crate) fn emit(
     };
     if shown < all && out.is_none() && !global.json {
         let remark = format!("{shown} of {all} {what}; all of them: -o FILE.csv");
-        say(global.quiet, &remark);
+        global.session.say(&remark);
     }
     Ok(())
 }

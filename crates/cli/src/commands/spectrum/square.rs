@@ -40,10 +40,10 @@ enum Source {
 impl Source {
     fn new(args: &SpectrumArgs, global: &Global) -> Result<Self, CliError> {
         let Some(name) = &args.sets.sampler.sampler else {
-            return Ok(Self::Files(FileSets::read_square(&args.sets.files, global.quiet)?));
+            return Ok(Self::Files(FileSets::read_square(&args.sets.files, &global.session)?));
         };
         let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
-        let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, global.quiet)?;
+        let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, &global.session)?;
         if args.save.is_some() && matches!(pattern, SquarePattern::PointFile(_)) {
             return Err(CliError::Usage(SAVED_FILE.to_owned()));
         }
@@ -88,7 +88,7 @@ pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         _ => sampled(args, global, &source, frequencies)?,
     };
     let seconds = started.elapsed().as_secs_f64();
-    let provenance = Provenance::new(global.seed);
+    let provenance = Provenance::new(&global.session, global.seed);
     let out = args.out.out.as_deref();
     emit_square(out, global, &name, &result, &remarks, seconds, &provenance)
 }
@@ -104,7 +104,7 @@ fn exact(
     let kmax = frequencies.kmax();
     let bytes = exact.bytes(frequencies, rayon::current_num_threads());
     check_memory(&format!("a spectrum to frequency {kmax} (--kmax)"), bytes)?;
-    let progress = Progress::new(exact.work(frequencies), global.quiet);
+    let progress = Progress::new(exact.work(frequencies), &global.session);
     progress.stage(&pattern.to_string());
     let spectrum = exact.to(frequencies, &progress)?;
     let is_transformed =
@@ -159,7 +159,7 @@ fn sampled(
         + BAND_BYTES * frequencies.len() as f64 * threads as f64;
     check_memory(&format!("a spectrum of {n_points} points to frequency {kmax} (--kmax)"), bytes)?;
     let work = set_work + resolution.nominal_work(n_points);
-    let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
+    let progress = Progress::new((part.end - part.start) as f64 * work, &global.session);
     progress.stage(&name);
     let empty = (
         SpectrumAccumulator::of_square(frequencies.clone(), n_points)?,
@@ -178,7 +178,7 @@ fn sampled(
             transform: format!("{epsilon:e}"),
             seed: global.seed,
             realizations: count,
-            version: Provenance::new(global.seed).version.to_string(),
+            version: Provenance::new(&global.session, global.seed).version.to_string(),
             instruction_set: instruction_set(),
         };
         Shard { ensemble, parts: vec![args.share()], sums }.write(path)?;

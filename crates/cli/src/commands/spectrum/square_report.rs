@@ -14,7 +14,7 @@ use crate::files::SquareSums;
 use crate::global::Global;
 use crate::plots::ImageFormat;
 use crate::point_sets::WeightSums;
-use crate::report::{self, Column, Forms, Provenance, csv_of, number, say, table_of};
+use crate::report::{self, Column, Forms, Provenance, csv_of, number, table_of};
 
 /// A spectrum on the square with its radial mean.
 #[derive(Debug)]
@@ -177,7 +177,7 @@ pub(crate) fn emit_square(
             "{shown} of {} radii; all of them: --json; all frequencies: -o FILE.csv",
             rings.len()
         );
-        say(global.quiet, &remark);
+        global.session.say(&remark);
     }
     Ok(())
 }

@@ -1,0 +1,87 @@
+//! Adds arrays to a session, with checks of their shapes.
+
+use std::sync::Arc;
+
+use sphvar_integrands::Integrand;
+use sphvar_samplers::ProfileTable;
+
+use super::{Failure, PointTable, Session};
+
+impl Session {
+    /// Makes points available as `file:NAME` in samplers, as a file of `--points` and, with values,
+    /// as `values:NAME` in integrands. Their content is checked where they are used, as that of a file.
+    ///
+    /// # Errors
+    ///
+    /// If the numbers are not those of whole points in sets of equal size, or weights, values or
+    /// errors are not one per point.
+    pub fn add_points(&self, name: &str, table: PointTable) -> Result<(), Failure> {
+        table.check(name).map_err(Failure::usage)?;
+        self.given.add_points(name, Arc::new(table));
+        Ok(())
+    }
+
+    /// Makes a picture available as `env:NAME` and `image:NAME`: its rows from the top, each texel
+    /// one number, or red, green and blue.
+    ///
+    /// # Errors
+    ///
+    /// If the texels are not `width * height` times 1 or 3 numbers.
+    pub fn add_picture(
+        &self,
+        name: &str,
+        width: usize,
+        height: usize,
+        texels: Vec<f64>,
+    ) -> Result<(), Failure> {
+        let _ = (name, width, height, texels);
+        Err(Failure::usage("not yet"))
+    }
+
+    /// Makes a HEALPix map available as `map:NAME`.
+    ///
+    /// # Errors
+    ///
+    /// If the number of values is not that of the pixels of a resolution.
+    pub fn add_map(&self, name: &str, values: Vec<f64>, nested: bool) -> Result<(), Failure> {
+        let _ = (name, values, nested);
+        Err(Failure::usage("not yet"))
+    }
+
+    /// Makes the function with these coefficients available as `alm:NAME`: real and imaginary parts
+    /// in the order of healpy, to degree and order `lmax`.
+    ///
+    /// # Errors
+    ///
+    /// If the number of coefficients is not (lmax + 1)(lmax + 2)/2, or one is not finite.
+    pub fn add_coefficients(&self, name: &str, coefficients: &[[f64; 2]]) -> Result<(), Failure> {
+        let _ = (name, coefficients);
+        Err(Failure::usage("not yet"))
+    }
+
+    /// Makes energies per degree from 0 available as `energy:NAME`, with their standard errors if
+    /// they are known; `quantity=cl` takes them as `C_l`.
+    ///
+    /// # Errors
+    ///
+    /// If there are none, one is invalid, or the standard errors are not as many.
+    pub fn add_energies(
+        &self,
+        name: &str,
+        energies: Vec<f64>,
+        errors: Option<Vec<f64>>,
+    ) -> Result<(), Failure> {
+        let _ = (name, energies, errors);
+        Err(Failure::usage("not yet"))
+    }
+
+    /// Makes a spectral profile or pair correlation available as `profile:NAME` in samplers.
+    pub fn add_profile(&self, name: &str, profile: ProfileTable) {
+        self.given.add_profile(name, Arc::new(profile));
+    }
+
+    /// Makes a function available as `function:NAME` in integrands.
+    pub fn add_function(&self, name: &str, function: Arc<dyn Integrand + Send + Sync>) {
+        self.given.add_function(name, function);
+    }
+}

@@ -1,0 +1,76 @@
+//! Reads the words of a question.
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
+
+use super::Failure;
+use crate::args::{Cli, Command};
+use crate::flags;
+use crate::global::Global;
+use crate::message;
+
+/// The identifiers of options that write files, and of the number of threads, which is that of the
+/// embedding program.
+const REJECTED: [(&str, &str); 11] = [
+    ("out", WRITES),
+    ("force", WRITES),
+    ("save", WRITES),
+    ("shard", WRITES),
+    ("per_order", WRITES),
+    ("coefficient", WRITES),
+    ("nodes", WRITES),
+    ("picture", WRITES),
+    ("difference", WRITES),
+    ("error", WRITES),
+    ("threads", "the number of threads is that of the program"),
+];
+
+const WRITES: &str = "it writes a file, and results are returned here";
+
+/// Commands without an answer.
+const WITHOUT_ANSWER: [&str; 5] = ["sample", "render", "reproduce", "accuracy", "completions"];
+
+/// Returns the subcommand of the words after the name of the command, and the common options.
+pub(super) fn parse(words: &[String]) -> Result<(Command, Global), Failure> {
+    if let Some(name) = words.first().filter(|word| WITHOUT_ANSWER.contains(&&***word)) {
+        return Err(Failure::usage(format!(
+            "{name} writes files; use the command `sphvar {name}`"
+        )));
+    }
+    let all = std::iter::once("sphvar".to_owned()).chain(words.iter().cloned());
+    let all = all.chain(std::iter::once("--json".to_owned()));
+    let matches =
+        Cli::command().try_get_matches_from(all).map_err(|error| failure(error, words))?;
+    let Some((_, of_command)) = matches.subcommand() else {
+        return Err(Failure::usage("expected the name of a subcommand"));
+    };
+    check(of_command)?;
+    let cli = Cli::from_arg_matches(&matches).map_err(|error| failure(error, words))?;
+    Ok((cli.command, cli.global))
+}
+
+/// Rejects options that an embedded run does not have.
+fn check(matches: &ArgMatches) -> Result<(), Failure> {
+    for id in matches.ids() {
+        let rejected = REJECTED.iter().find(|(rejected, _)| *rejected == id.as_str());
+        if let Some((_, reason)) = rejected
+            && matches.value_source(id.as_str()) == Some(ValueSource::CommandLine)
+        {
+            let option = id.as_str().replace('_', "-");
+            return Err(Failure::usage(format!("--{option} is not available: {reason}")));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the failure of words that are no valid command line, without the usage and advice for a
+/// terminal.
+fn failure(mut error: clap::Error, words: &[String]) -> Failure {
+    flags::retired::explain(&mut error, &Cli::command(), words);
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end));
+    let text = &text[..end.min().unwrap_or(text.len())];
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    Failure::usage(message::clean(&lines.join(" ")))
+}
