@@ -7,6 +7,7 @@
 mod args;
 mod commands;
 mod counts;
+mod draws;
 #[doc(hidden)]
 pub mod embedding;
 mod error;

@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{
     Domain, Ensemble, Error, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
-    SetDistribution, Space, Square, SquareDistribution, SquareRealizations, SquareSampler, Streams,
-    rotate, shift,
+    SetDistribution, Space, Square, SquareDistribution, SquareSampler, Streams, rotate,
 };
 
 use crate::commands::PointFileArgs;
@@ -35,25 +34,6 @@ impl Ensemble for RotatedSets<'_> {
         self.sets.realize_into(index, set, progress)?;
         let domain = self.rotations.sampler().domain();
         rotate(self.rotations.rotation(index), domain, &mut set.points);
-        Ok(())
-    }
-}
-
-/// Given sets of the square in their order, each with the shift of a realization.
-pub(crate) struct ShiftedSets<'a> {
-    pub(crate) sets: &'a [PointSet<[f64; 2]>],
-    pub(crate) shifts: SquareRealizations<'a>,
-}
-
-impl Ensemble<[f64; 2]> for ShiftedSets<'_> {
-    fn realize_into(
-        &self,
-        index: u64,
-        set: &mut PointSet<[f64; 2]>,
-        progress: &dyn Progress,
-    ) -> Result<(), Error> {
-        self.sets.realize_into(index, set, progress)?;
-        shift(self.shifts.shift(index), &mut set.points);
         Ok(())
     }
 }

@@ -6,23 +6,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec3;
-use sphvar_samplers::{
-    Domain, Ensemble, Pattern, Purpose, Realizations, SetDistribution, Square, SquareDistribution,
-    SquarePattern, SquareRealizations, Streams,
-};
-use sphvar_variance::{WarpedPattern, WarpedRealizations};
 
 use self::realized_sets::RealizedSets;
 use crate::counts::parse_count;
+use crate::draws::{DrawRequest, Draws};
 use crate::error::CliError;
 use crate::flags::{
-    CountArgs, DomainArgs, NearestArgs, ONE_DOMAIN, SHIFTED, SamplerArgs, SquareArgs, missing_count,
+    CountArgs, DomainArgs, NearestArgs, ONE_DOMAIN, SHIFTED, SamplerArgs, SquareArgs,
 };
 use crate::global::Global;
-use crate::integrands::strategies_of;
-use crate::patterns::{self, DirectionSampler};
 use crate::plots::{OrthographicView, PlotError, SquareView};
-use crate::point_sets::{RotatedSets, ShiftedSets};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -81,53 +74,27 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
         ("--rotate", args.rotate, SHIFTED),
     ])?;
+    let request = DrawRequest {
+        sampler: sampler.clone(),
+        n: args.count.count,
+        nearest: args.nearest.nearest,
+        hemisphere: args.domain.hemisphere,
+        is_randomized: args.rotate || args.shift,
+        seed: global.seed,
+    };
     if args.square.square {
-        return sample_square(sampler, args, global);
+        let draws = Draws::square(&request, &global.session)?;
+        let picture = |title, notes, points: &[_], path: &Path| {
+            SquareView { title, notes }.render(points, path)
+        };
+        return RealizedSets { draws: &draws, picture }.write(args, global);
     }
-    match patterns::parse_sampler(sampler, &global.session)? {
-        DirectionSampler::Uniform(pattern) => sample_uniform(&pattern, args, global),
-        DirectionSampler::Warped(pattern) => sample_warped(&pattern, args, global),
-        DirectionSampler::Adapted(pattern) => Err(CliError::Usage(format!(
-            "{pattern}: sample has patterns with warp=; lights writes the sites of {pattern} for a map"
-        ))),
-    }
-}
-
-fn sample_uniform(pattern: &Pattern, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
-    let (n, nearest) = (args.count.count, args.nearest.nearest);
-    let domain = args.domain.domain();
-    let sampler = patterns::nearest_sampler(pattern, n, domain, nearest, &global.session)?;
-    let last_empty_degree = sampler.last_empty_degree();
-    let remark = last_empty_degree.map(|last| no_power(last, sampler.domain()));
-    let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
-    let drawn = if args.rotate {
-        Realizations::rotated(&*sampler, streams)
-    } else {
-        Realizations::unrotated(&*sampler, streams)
-    };
-    let given = match sampler.distribution() {
-        SetDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
-        _ => None,
-    };
-    let given = given.map(|sets| RotatedSets { sets, rotations: drawn });
-    let sets = RealizedSets {
-        sampler: pattern.to_string(),
-        label: pattern.label(),
-        n_points: sampler.n_points(),
-        given: given.as_ref().map(|given| given.sets.len()),
-        ensemble: match &given {
-            Some(given) => given as &dyn Ensemble,
-            None => &drawn,
-        },
-        set_work: sampler.nominal_work(),
-        last_empty_degree,
-        remark: remark.clone(),
-        picture: sphere_picture,
-    };
-    sets.write(args, global)?;
+    let draws = Draws::new(&request, &global.session)?;
+    RealizedSets { draws: &draws, picture: sphere_picture }.write(args, global)?;
     // The statement is about sets that exist: the work may fail or be interrupted.
-    if let Some(empty) = &remark {
-        global.session.say(&format!("{pattern}, N = {}: {empty}", sampler.n_points()));
+    if let (Some(_), Some(empty)) = (draws.last_empty_degree, &draws.remark) {
+        let sampler = &draws.sampler;
+        global.session.say(&format!("{sampler}, N = {}: {empty}", draws.n_points()));
     }
     Ok(())
 }
@@ -140,93 +107,4 @@ fn sphere_picture(
     path: &Path,
 ) -> Result<(), PlotError> {
     OrthographicView { title, notes, ..OrthographicView::default() }.render(points, path)
-}
-
-fn sample_warped(
-    pattern: &WarpedPattern,
-    args: &SampleArgs,
-    global: &Global,
-) -> Result<(), CliError> {
-    if args.rotate {
-        let advice =
-            "warped patterns are shifted on the square before they are mapped, not rotated";
-        return Err(CliError::Usage(format!("--rotate does not apply to {pattern}: {advice}")));
-    }
-    let requested = args.count.count.or(pattern.own_count()).ok_or_else(missing_count)?;
-    let (n_points, samplers) = patterns::build_warped(pattern, requested, args.nearest.nearest)?;
-    if n_points != requested {
-        let label = pattern.label();
-        let remark = format!(
-            "{label}: {n_points} points, the valid count nearest to the requested {requested}"
-        );
-        global.session.say(&remark);
-    }
-    let all = strategies_of(&[&pattern.warp], args.domain.domain(), &global.session)?;
-    let drawn = WarpedRealizations::new(
-        &all[0],
-        pattern.heuristic,
-        &samplers,
-        global.seed,
-        Purpose::Pattern,
-    )
-    .of_prefixes();
-    let sets = RealizedSets {
-        sampler: pattern.to_string(),
-        label: pattern.label(),
-        n_points,
-        given: None,
-        ensemble: &drawn,
-        set_work: pattern.trial_work(n_points),
-        last_empty_degree: None,
-        remark: Some("weights 1/(N p)".to_owned()),
-        picture: sphere_picture,
-    };
-    sets.write(args, global)
-}
-
-fn sample_square(sampler: &str, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
-    let (n, nearest) = (args.count.count, args.nearest.nearest);
-    let (pattern, sampler) =
-        patterns::sampler_of::<SquarePattern, _>(sampler, n, Square, nearest, &global.session)?;
-    let streams = streams(sampler.sequence_group(), sampler.stream_group(), global);
-    let drawn = if args.shift {
-        SquareRealizations::shifted(&*sampler, streams)
-    } else {
-        SquareRealizations::unshifted(&*sampler, streams)
-    };
-    let given = match sampler.distribution() {
-        SquareDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
-        _ => None,
-    };
-    let given = given.map(|sets| ShiftedSets { sets, shifts: drawn });
-    let sets = RealizedSets {
-        sampler: pattern.to_string(),
-        label: pattern.label(),
-        n_points: sampler.n_points(),
-        given: given.as_ref().map(|given| given.sets.len()),
-        ensemble: match &given {
-            Some(given) => given as &dyn Ensemble<[f64; 2]>,
-            None => &drawn,
-        },
-        set_work: sampler.nominal_work(),
-        last_empty_degree: None,
-        remark: None,
-        picture: |title, notes, points, path| SquareView { title, notes }.render(points, path),
-    };
-    sets.write(args, global)
-}
-
-/// Returns the streams of the sequence that all numbers of points share, or of the sets of one number
-/// of points where the pattern is no sequence.
-fn streams(sequence_group: Option<usize>, set_group: usize, global: &Global) -> Streams {
-    Streams::new(global.seed, Purpose::Pattern, sequence_group.unwrap_or(set_group))
-}
-
-/// Returns the remark on sets without power at the degrees up to `last`.
-fn no_power(last: usize, domain: Domain) -> String {
-    match (last, domain) {
-        (0, _) => "power at every degree".to_owned(),
-        (_, Domain::Sphere) => format!("no power at degrees 1 to {last}"),
-        (_, Domain::Hemisphere) => format!("no power at even degrees 2 to {last}"),
-    }
 }

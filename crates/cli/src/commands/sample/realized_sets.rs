@@ -5,9 +5,10 @@ use std::path::Path;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Ensemble, PointSet};
+use sphvar_samplers::PointSet;
 
 use super::SampleArgs;
+use crate::draws::{Draws, GivenSets};
 use crate::error::CliError;
 use crate::files::{AtomicFile, FilePoint, NumberedPath, write_points};
 use crate::global::Global;
@@ -46,19 +47,7 @@ type DrawPoints<P> = fn(String, Vec<String>, &[P], &Path) -> Result<(), PlotErro
 
 /// Sets that are generated and written.
 pub(super) struct RealizedSets<'a, P> {
-    /// The sampler with its parameters.
-    pub(super) sampler: String,
-    /// The name in titles and progress.
-    pub(super) label: String,
-    pub(super) n_points: usize,
-    /// The number of given sets, if each of them is taken once.
-    pub(super) given: Option<usize>,
-    pub(super) ensemble: &'a dyn Ensemble<P>,
-    /// The nominal work of a set that is not given.
-    pub(super) set_work: f64,
-    pub(super) last_empty_degree: Option<usize>,
-    /// A remark for the files.
-    pub(super) remark: Option<String>,
+    pub(super) draws: &'a Draws<P>,
     /// Draws points with a title and notes.
     pub(super) picture: DrawPoints<P>,
 }
@@ -70,7 +59,11 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
     ///
     /// If a set cannot be generated, the sets exceed the memory or a file cannot be written.
     pub(super) fn write(self, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
-        let realizations = args.realizations.or(self.given).unwrap_or(1);
+        let draws = self.draws;
+        let (realizations, given) = match (args.realizations, draws.n_given()) {
+            (None, Some(n_given)) => (n_given, GivenSets::InOrder),
+            (realizations, _) => (realizations.unwrap_or(1), GivenSets::Drawn),
+        };
         let numbered = NumberedPath::of(&args.out);
         let first_and_last = numbered.map_or(vec![args.out.clone()], |numbered| {
             vec![numbered.path(0), numbered.path(realizations - 1)]
@@ -78,13 +71,13 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
         for path in first_and_last {
             AtomicFile::check(&path)?;
         }
-        let n_points = self.n_points;
+        let n_points = draws.n_points();
         let total = (size_of::<P>() * n_points) as f64 * realizations as f64;
         check_memory(&format!("{realizations} sets of {n_points} points"), total)?;
-        let sets = self.realize(realizations as u64, global)?;
+        let sets = self.realize(realizations as u64, given, global)?;
         let provenance = Provenance::new(&global.session, global.seed);
         let line = provenance.line();
-        let note = self.remark.as_ref().map_or(line.clone(), |remark| format!("{line}; {remark}"));
+        let note = draws.remark.as_ref().map_or(line.clone(), |remark| format!("{line}; {remark}"));
         let to_stdout = is_stdout(&args.out);
         if let Some(numbered) = numbered {
             for (i, set) in sets.iter().enumerate() {
@@ -106,10 +99,10 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
             let counts =
                 Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
             let body = SampleBody {
-                sampler: self.sampler,
+                sampler: draws.sampler.clone(),
                 n: n_points,
                 realizations,
-                last_empty_degree: self.last_empty_degree,
+                last_empty_degree: draws.last_empty_degree,
                 counts,
                 points,
                 weights,
@@ -120,13 +113,19 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
     }
 
     /// Returns the sets with the indices from 0.
-    fn realize(&self, count: u64, global: &Global) -> Result<Vec<PointSet<P>>, CliError> {
-        let set_work = if self.given.is_some() { 0.0 } else { self.set_work };
+    fn realize(
+        &self,
+        count: u64,
+        given: GivenSets,
+        global: &Global,
+    ) -> Result<Vec<PointSet<P>>, CliError> {
+        let draws = self.draws;
+        let set_work = if given == GivenSets::InOrder { 0.0 } else { draws.nominal_work() };
         let progress = Progress::with_expected_time(count as f64 * set_work, &global.session);
-        progress.stage(&self.label);
+        progress.stage(&draws.label);
         let realize = |i| {
             let mut set = PointSet::default();
-            self.ensemble.realize_into(i, &mut set, &progress).map_err(CliError::failed)?;
+            draws.realize_into(i, given, &mut set, &progress).map_err(CliError::failed)?;
             Ok(set)
         };
         (0..count).into_par_iter().map(realize).collect()
@@ -137,7 +136,7 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
         if ImageFormat::of_path(path).is_none() {
             return Ok(write_points(path, None, sets, Some(note))?);
         }
-        let title = format!("{}, N = {}", self.label, sets[0].len());
+        let title = format!("{}, N = {}", self.draws.label, sets[0].len());
         Ok((self.picture)(title, vec![note.to_owned()], &sets[0].points, path)?)
     }
 }
