@@ -28,6 +28,18 @@ package:
 dist:
     bash .ci/dist
 
+# The package for Python: a wheel for CPython 3.10 or later and its sources, into python/dist/.
+wheel *ARGS:
+    bash .ci/wheel {{ARGS}}
+
+# The tests of the package for Python, with a wheel and every CPython that is found, its types and its notebooks.
+python-test:
+    bash .ci/python
+
+# Execute the scripts of docs/notebooks and write the notebooks, in an environment with the package: `just notebooks 1_pattern`.
+notebooks *ARGS:
+    python3 .ci/notebooks.py {{ARGS}}
+
 # Write docs/schema.json, the JSON schema of all documents of `--json`, from their types.
 schema:
     SPHVAR_WRITE_SCHEMA=1 cargo test -p sphvar-cli --lib schema
