@@ -55,10 +55,12 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-impl From<CliError> for Failure {
-    fn from(error: CliError) -> Self {
+impl Failure {
+    /// Returns the failure of a run; the content of an array is invalid as an argument is.
+    fn of_run(error: &CliError, session: &Session) -> Self {
         let kind = match error {
             CliError::Usage(_) => FailureKind::Usage,
+            CliError::File(message) if session.given.is_about(message) => FailureKind::Usage,
             CliError::File(_) => FailureKind::File,
             CliError::Memory(_) => FailureKind::Memory,
             CliError::Stopped(_) => FailureKind::Stopped,
@@ -91,7 +93,7 @@ impl Session {
             let message = sphvar_samplers::Stopped.to_string();
             return Err(Failure { kind: FailureKind::Stopped, message });
         }
-        result?;
+        result.map_err(|error| Failure::of_run(&error, &run))?;
         Ok(run.take_output())
     }
 }

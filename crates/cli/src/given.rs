@@ -1,24 +1,29 @@
 //! Arrays that an embedding program gives in place of files.
 
-mod picture;
 mod points;
+mod reading;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use sphvar_integrands::{EnergyEstimates, Integrand};
+use sphvar_integrands::Integrand;
 use sphvar_samplers::ProfileTable;
 use sphvar_sh::Alm;
 
-use crate::files::FitsMap;
+use crate::files::{FitsMap, PictureArray};
 use crate::session::lock;
 
-pub(crate) use self::picture::GivenPicture;
 pub use self::points::PointTable;
 
 /// A function that an embedding program gives.
 pub(crate) type GivenFunction = Arc<dyn Integrand + Send + Sync>;
+
+/// Energies by degree from 0, with their standard errors if they are known.
+pub(crate) struct EnergyArray {
+    pub(crate) values: Vec<f64>,
+    pub(crate) errors: Option<Vec<f64>>,
+}
 
 /// Arrays by their names, which have precedence over files of the same name. Clones share them.
 #[derive(Clone, Default)]
@@ -27,10 +32,10 @@ pub(crate) struct Given(Arc<Mutex<Tables>>);
 #[derive(Default)]
 struct Tables {
     points: BTreeMap<String, Arc<PointTable>>,
-    pictures: BTreeMap<String, Arc<GivenPicture>>,
+    pictures: BTreeMap<String, Arc<PictureArray>>,
     maps: BTreeMap<String, Arc<FitsMap>>,
     coefficients: BTreeMap<String, Arc<Alm>>,
-    energies: BTreeMap<String, Arc<EnergyEstimates>>,
+    energies: BTreeMap<String, Arc<EnergyArray>>,
     profiles: BTreeMap<String, Arc<ProfileTable>>,
     functions: BTreeMap<String, GivenFunction>,
 }
@@ -50,10 +55,23 @@ macro_rules! kind {
 
 impl Given {
     kind!(add_points, points, points, Arc<PointTable>);
-    kind!(add_picture, picture, pictures, Arc<GivenPicture>);
+    kind!(add_picture, picture, pictures, Arc<PictureArray>);
     kind!(add_map, map, maps, Arc<FitsMap>);
     kind!(add_coefficients, coefficients, coefficients, Arc<Alm>);
-    kind!(add_energies, energies, energies, Arc<EnergyEstimates>);
+    kind!(add_energies, energies, energies, Arc<EnergyArray>);
     kind!(add_profile, profile, profiles, Arc<ProfileTable>);
     kind!(add_function, function, functions, GivenFunction);
+
+    /// Returns whether a message on the content of an input is about one of the arrays: it starts
+    /// with the name.
+    pub(crate) fn is_about(&self, message: &str) -> bool {
+        let tables = lock(&self.0);
+        let names = tables.points.keys().chain(tables.pictures.keys()).chain(tables.maps.keys());
+        let names = names.chain(tables.coefficients.keys()).chain(tables.energies.keys());
+        let mut names = names.chain(tables.profiles.keys()).chain(tables.functions.keys());
+        names.any(|name| {
+            let rest = message.strip_prefix(name.as_str());
+            rest.is_some_and(|rest| rest.starts_with([':', '[', ' ']))
+        })
+    }
 }

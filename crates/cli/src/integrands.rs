@@ -13,7 +13,6 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
@@ -25,13 +24,12 @@ use sphvar_integrands::{
 use sphvar_samplers::Domain;
 use sphvar_warps::DensityMap;
 
-use self::environment::Environment;
+use self::environment::{Environment, PictureSource};
 pub(crate) use self::integrals::{Integral, IntegralName, Integrals, with_integrals};
 pub(crate) use self::rgb::parse_integrands;
 pub(crate) use self::square::{NamedSquareIntegrand, SquareForms, parse_square_integrand};
 pub(crate) use self::warps::strategies_of;
 use crate::error::CliError;
-use crate::files::HduChoice;
 use crate::memory::check_degree;
 use crate::report::number::value;
 use crate::session::Session;
@@ -106,9 +104,9 @@ pub(crate) fn parse_integrand(
 ) -> Result<NamedIntegrand<'static>, CliError> {
     let expression = parse_expression(text)?;
     rgb::reject(&expression)?;
-    let files = IntegrandFiles::default();
+    let files = IntegrandFiles::new(session);
     let integrand = files.build(&expression, text.to_owned())?;
-    files.remarks.take().iter().for_each(|text| session.remark(text));
+    files.report();
     Ok(integrand)
 }
 
@@ -146,29 +144,28 @@ fn names_a_file(text: &str) -> bool {
     file.is_some_and(|file| file.is_file()) && !spec.has_operator_left()
 }
 
-/// Returns the path of a FITS file and the HDU that its name or the parameter `hdu` selects.
-fn chosen_hdu(file: &Path, parameter: Option<&str>) -> Result<(PathBuf, HduChoice), CliError> {
-    let (path, hdu) = HduChoice::of_path(file);
-    match parameter {
-        None => Ok((path, hdu)),
-        Some(text) => match text.parse() {
-            Ok(hdu) => Ok((path, hdu)),
-            Err(e) => Err(CliError::Usage(format!("hdu={text}: {e}"))),
-        },
-    }
-}
-
-/// Reads the files of integrands and collects remarks for the user.
-#[derive(Default)]
-struct IntegrandFiles {
+/// Reads the files of integrands, or arrays that are given in their place, and collects remarks for
+/// the user.
+struct IntegrandFiles<'a> {
+    session: &'a Session,
     remarks: RefCell<Vec<String>>,
     /// The contents of pictures, which are read once for all channels.
-    pictures: RefCell<BTreeMap<PathBuf, Rc<[u8]>>>,
+    pictures: RefCell<BTreeMap<PathBuf, PictureSource>>,
     /// The densities of pictures, whose clones share texels.
     densities: RefCell<Vec<(EnvironmentParameters, Interpolation, DensityMap)>>,
 }
 
-impl IntegrandFiles {
+impl<'a> IntegrandFiles<'a> {
+    fn new(session: &'a Session) -> Self {
+        let (remarks, pictures, densities) = Default::default();
+        Self { session, remarks, pictures, densities }
+    }
+
+    /// Reports the remarks.
+    fn report(&self) {
+        self.remarks.take().iter().for_each(|text| self.session.remark(text));
+    }
+
     fn build(
         &self,
         expression: &Expression,
@@ -186,19 +183,19 @@ impl IntegrandFiles {
         Ok(NamedIntegrand { name, function, unfiltered })
     }
 
-    fn picture(&self, file: &Path) -> Result<Rc<[u8]>, CliError> {
+    fn picture(&self, file: &Path) -> Result<PictureSource, CliError> {
         if let Some(known) = self.pictures.borrow().get(file) {
             return Ok(known.clone());
         }
-        let bytes: Rc<[u8]> = environment::bytes_of(file)?.into();
-        self.pictures.borrow_mut().insert(file.to_owned(), bytes.clone());
-        Ok(bytes)
+        let source = PictureSource::open(file, self.session)?;
+        self.pictures.borrow_mut().insert(file.to_owned(), source.clone());
+        Ok(source)
     }
 }
 
-impl IntegrandResolver for IntegrandFiles {
+impl IntegrandResolver for IntegrandFiles<'_> {
     fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
-        let decode = |bytes: Rc<[u8]>| Environment::decode(&wanted.file, &bytes, &wanted.picture);
+        let decode = |source| Environment::decode(&wanted.file, &source, &wanted.picture);
         let read = self.picture(&wanted.file).and_then(decode).map_err(ResolveError::new)?;
         read.remarks.into_iter().for_each(|remark| self.remark(remark));
         Ok(read.map)
@@ -223,20 +220,22 @@ impl IntegrandResolver for IntegrandFiles {
     }
 
     fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {
-        healpix_map::read(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+        healpix_map::read(wanted, self.session, &mut self.remarks.borrow_mut())
+            .map_err(ResolveError::new)
     }
 
     fn energies(&self, wanted: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
-        expansion::read_energies(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+        expansion::read_energies(wanted, self.session, &mut self.remarks.borrow_mut())
+            .map_err(ResolveError::new)
     }
 
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
-        expansion::read_coefficients(wanted, &mut self.remarks.borrow_mut())
+        expansion::read_coefficients(wanted, self.session, &mut self.remarks.borrow_mut())
             .map_err(ResolveError::new)
     }
 
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
-        values::fit(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+        values::fit(wanted, self.session, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
     }
 
     fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {
@@ -265,10 +264,10 @@ pub(crate) fn check_domain(integrand: &NamedIntegrand<'_>, domain: Domain) -> Re
 
 #[cfg(test)]
 mod tests {
-    use super::{CliError, Domain, Integrand, parse_integrand};
+    use super::{CliError, Domain, Integrand, Session, parse_integrand};
 
     fn parsed(text: &str) -> Result<Box<dyn Integrand>, CliError> {
-        parse_integrand(text, true).map(|integrand| integrand.function)
+        parse_integrand(text, &Session::default().muted()).map(|integrand| integrand.function)
     }
 
     #[test]

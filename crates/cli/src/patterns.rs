@@ -267,7 +267,7 @@ pub(crate) fn parse_pattern<P: PatternKind>(text: &str, session: &Session) -> Re
 fn error_of_pattern<P: PatternKind>(text: &str, error: Error) -> CliError {
     match error {
         Error::File(source) => CliError::of_resolver(&source),
-        Error::Given { .. } => CliError::failed(error),
+        Error::Given { .. } => CliError::File(error.to_string()),
         other if Path::new(text).is_file() => {
             CliError::Usage(format!("{other}; a file is a sampler as file:{}", quote(text)))
         }
@@ -318,7 +318,7 @@ fn build_counted<P: PatternKind<Space = S>, S: Space>(
             let other = pattern.with_other_counts().map(|other| format!("; {other}"));
             CliError::Usage(format!("{error} (use --nearest){}", other.unwrap_or_default()))
         }
-        Error::Given { .. } => CliError::failed(error),
+        Error::Given { .. } => CliError::File(error.to_string()),
         _ => CliError::usage(error),
     })?;
     check_points(n)?;

@@ -9,7 +9,7 @@ use sphvar_samplers::{
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
-use crate::files::{FilePoint, read_points};
+use crate::files::FilePoint;
 use crate::session::Session;
 
 /// The point sets of files.
@@ -132,7 +132,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         let options = args.options();
         let mut sets = Vec::new();
         for path in &args.files {
-            let file = read_points(path, &options)?;
+            let file = session.read_points(path, &options)?;
             for warning in &file.warnings {
                 session.say(&format!("warning: {warning}"));
             }
@@ -142,7 +142,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
             if !args.join
                 && let Some(i) = file.sets.iter().position(has_zero_weights)
             {
-                return Err(CliError::Failed(format!(
+                return Err(CliError::File(format!(
                     "{}: all weights of set {i} (0-based) are 0",
                     path.display()
                 )));
@@ -159,7 +159,7 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
         let name = names.join(" ");
         let sets =
-            PointSets::new(sets, space).map_err(|e| CliError::Failed(format!("{name}: {e}")))?;
+            PointSets::new(sets, space).map_err(|e| CliError::File(format!("{name}: {e}")))?;
         let read = Self { name, sets };
         if read.count() > 1 {
             session.say(&read.summary(args.files.len() > 1));
@@ -221,12 +221,12 @@ fn join<P>(
         };
         match (one.weights.is_empty(), set.weights.is_empty()) {
             (false, true) => {
-                return Err(CliError::Failed(format!(
+                return Err(CliError::File(format!(
                     "--join: {path} has no weights, but the files before it have"
                 )));
             }
             (true, false) => {
-                return Err(CliError::Failed(format!(
+                return Err(CliError::File(format!(
                     "--join: {path} has weights, but the files before it have none"
                 )));
             }

@@ -7,7 +7,8 @@ use sphvar_samplers::{Domain, PointSet};
 use sphvar_spectrum::{FitError, LeastSquares};
 
 use crate::error::CliError;
-use crate::files::{ReadOptions, read_points};
+use crate::files::ReadOptions;
+use crate::session::Session;
 
 /// Values at scattered points.
 pub(crate) struct Values {
@@ -27,6 +28,7 @@ impl Values {
         files: &[PathBuf],
         options: &ReadOptions,
         domain: Domain,
+        session: &Session,
     ) -> Result<Self, CliError> {
         let options = ReadOptions { values: true, ..options.clone() };
         let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
@@ -38,12 +40,12 @@ impl Values {
             remarks: Vec::new(),
         };
         for (path, name) in files.iter().zip(&names) {
-            let file = read_points::<DVec3>(path, &options)?;
+            let file = session.read_points::<DVec3>(path, &options)?;
             read.remarks.extend(file.warnings.into_iter().map(|w| format!("warning: {w}")));
             read.remarks.extend(file.remarks);
             let count = file.sets.len();
             let Some(set) = file.sets.into_iter().next().filter(|_| count == 1) else {
-                return Err(CliError::Failed(format!(
+                return Err(CliError::File(format!(
                     "{name}: values are fitted for one set of points, got {count} sets"
                 )));
             };
@@ -51,7 +53,7 @@ impl Values {
             let first = *weighted_by.get_or_insert(role);
             if role != first {
                 let words = |role: Option<&str>| role.unwrap_or("neither").to_owned();
-                return Err(CliError::Failed(format!(
+                return Err(CliError::File(format!(
                     "{name}: expected weights w in all joined files, or standard errors sigma in all, or neither, got {} \
                      after {}",
                     words(role),

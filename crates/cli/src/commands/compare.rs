@@ -153,14 +153,18 @@ struct Output<'a> {
     args: &'a CompareArgs,
     global: &'a Global,
     provenance: Provenance,
-    folder: ResultFolder,
+    /// The folder; inside another program, results are not written.
+    folder: Option<ResultFolder>,
 }
 
 impl<'a> Output<'a> {
     /// Reserves the folder before the work starts.
     fn open(args: &'a CompareArgs, global: &'a Global) -> Result<Self, CliError> {
         let provenance = Provenance::new(&global.session, global.seed);
-        let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
+        let folder = match global.session.is_embedded() {
+            true => None,
+            false => Some(ResultFolder::open(&args.out, &provenance, args.force)?),
+        };
         Ok(Self { args, global, provenance, folder })
     }
 
@@ -178,8 +182,10 @@ impl<'a> Output<'a> {
         let crossovers = crossovers(&best, global.seed);
         let records: Vec<RowRecord> = rows.iter().map(RowRecord::new).collect();
         let body = ComparisonBody { rows: records, samplers, crossovers };
-        let written = Written { body: &body, rows, curves: &curves, energy, subject };
-        folder.write(|folder| written.to(folder, &provenance))?;
+        if let Some(folder) = folder {
+            let written = Written { body: &body, rows, curves: &curves, energy, subject };
+            folder.write(|folder| written.to(folder, &provenance))?;
+        }
         if global.json {
             return Document::new(&body, &provenance).print(&global.session);
         }

@@ -126,7 +126,7 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
         let expected = "one file of values; --join joins several into one set";
         return Err(CliError::Usage(format!("{expected}, got {}", sources.len())));
     }
-    let values = Values::read(sources, &args.files.options(), domain)?;
+    let values = Values::read(sources, &args.files.options(), domain, &global.session)?;
     values.remarks.iter().for_each(|remark| global.session.say(remark));
     let name = values.name();
     let error = |error: FitError| match error {

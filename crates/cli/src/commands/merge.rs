@@ -79,14 +79,14 @@ fn merged<S: ShardSums>(args: &MergeArgs, global: &Global) -> Result<Shard<S>, C
         whole
             .sums
             .try_merge(&shard.sums)
-            .map_err(|error| CliError::Failed(format!("{first} and {name}: {error}")))?;
+            .map_err(|error| CliError::File(format!("{first} and {name}: {error}")))?;
         whole.parts.extend(shard.parts);
     }
     let total = whole.ensemble.realizations;
     whole.parts.sort_by_key(|part| part.range(total).start);
     let missing = whole.missing();
     if !missing.is_empty() && !args.partial {
-        return Err(CliError::Failed(format!(
+        return Err(CliError::File(format!(
             "missing: {}; add {}, or use --partial to merge the {} available of {total} realizations",
             missing_in_words(&whole),
             if missing.len() == 1 { "it" } else { "them" },
@@ -121,7 +121,7 @@ fn check_ensembles<S: ShardSums>(shards: &[(String, Shard<S>)]) -> Result<(), Cl
             ("instruction sets", a.instruction_set.clone(), b.instruction_set.clone()),
         ];
         if let Some((what, a, b)) = facts.into_iter().find(|(_, a, b)| a != b) {
-            return Err(CliError::Failed(format!(
+            return Err(CliError::File(format!(
                 "{first} and {name} are of different {what}: {a} and {b}"
             )));
         }
@@ -195,7 +195,7 @@ fn check_overlap<S: ShardSums>(shards: &[(String, Shard<S>)]) -> Result<(), CliE
     for pair in parts.windows(2) {
         let [(a, first), (b, second)] = pair else { continue };
         if a.end > b.start {
-            return Err(CliError::Failed(format!(
+            return Err(CliError::File(format!(
                 "realization {} is in {first} and in {second}",
                 b.start
             )));

@@ -105,7 +105,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
     let domain = args.domain.domain();
     let files = FileSets::read(&args.files, domain, &global.session)?;
     let [set] = files.sets().sets() else {
-        return Err(CliError::Failed(format!(
+        return Err(CliError::File(format!(
             "{}: weights are computed for one set of points, got {} sets",
             files.name(),
             files.count()

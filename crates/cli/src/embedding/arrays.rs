@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
+use sphvar_healpix::Nside;
 use sphvar_integrands::Integrand;
 use sphvar_samplers::ProfileTable;
 
-use super::{Failure, PointTable, Session};
+use super::{Failure, PointTable};
+use crate::files::{FitsMap, PictureArray, alm_of_array};
+use crate::given::EnergyArray;
+use crate::session::Session;
 
 impl Session {
     /// Makes points available as `file:NAME` in samplers, as a file of `--points` and, with values,
@@ -34,8 +38,10 @@ impl Session {
         height: usize,
         texels: Vec<f64>,
     ) -> Result<(), Failure> {
-        let _ = (name, width, height, texels);
-        Err(Failure::usage("not yet"))
+        let picture = PictureArray::new(width, height, texels);
+        let picture = picture.map_err(|error| Failure::usage(format!("{name}: {error}")))?;
+        self.given.add_picture(name, Arc::new(picture));
+        Ok(())
     }
 
     /// Makes a HEALPix map available as `map:NAME`.
@@ -44,8 +50,11 @@ impl Session {
     ///
     /// If the number of values is not that of the pixels of a resolution.
     pub fn add_map(&self, name: &str, values: Vec<f64>, nested: bool) -> Result<(), Failure> {
-        let _ = (name, values, nested);
-        Err(Failure::usage("not yet"))
+        let nside = Nside::from_n_pixels(values.len() as u64)
+            .map_err(|error| Failure::usage(format!("{name}: {error}")))?
+            .value();
+        self.given.add_map(name, Arc::new(FitsMap { nside, nested, values, coordinates: None }));
+        Ok(())
     }
 
     /// Makes the function with these coefficients available as `alm:NAME`: real and imaginary parts
@@ -55,8 +64,9 @@ impl Session {
     ///
     /// If the number of coefficients is not (lmax + 1)(lmax + 2)/2, or one is not finite.
     pub fn add_coefficients(&self, name: &str, coefficients: &[[f64; 2]]) -> Result<(), Failure> {
-        let _ = (name, coefficients);
-        Err(Failure::usage("not yet"))
+        let alm = alm_of_array(name, coefficients).map_err(Failure::usage)?;
+        self.given.add_coefficients(name, Arc::new(alm));
+        Ok(())
     }
 
     /// Makes energies per degree from 0 available as `energy:NAME`, with their standard errors if
@@ -64,15 +74,23 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// If there are none, one is invalid, or the standard errors are not as many.
+    /// If the standard errors are not as many; energies are checked where they are used.
     pub fn add_energies(
         &self,
         name: &str,
         energies: Vec<f64>,
         errors: Option<Vec<f64>>,
     ) -> Result<(), Failure> {
-        let _ = (name, energies, errors);
-        Err(Failure::usage("not yet"))
+        if let Some(errors) = &errors
+            && errors.len() != energies.len()
+        {
+            let (n, got) = (energies.len(), errors.len());
+            return Err(Failure::usage(format!(
+                "{name}: expected a standard error for each of {n} energies, got {got}"
+            )));
+        }
+        self.given.add_energies(name, Arc::new(EnergyArray { values: energies, errors }));
+        Ok(())
     }
 
     /// Makes a spectral profile or pair correlation available as `profile:NAME` in samplers.

@@ -11,7 +11,7 @@ use crate::message;
 
 /// The identifiers of options that write files, and of the number of threads, which is that of the
 /// embedding program.
-const REJECTED: [(&str, &str); 11] = [
+const REJECTED: [(&str, &str); 9] = [
     ("out", WRITES),
     ("force", WRITES),
     ("save", WRITES),
@@ -20,8 +20,6 @@ const REJECTED: [(&str, &str); 11] = [
     ("coefficient", WRITES),
     ("nodes", WRITES),
     ("picture", WRITES),
-    ("difference", WRITES),
-    ("error", WRITES),
     ("threads", "the number of threads is that of the program"),
 ];
 

@@ -58,15 +58,7 @@ fn read_npy(input: impl Read, path: &str) -> Result<Alm, FileError> {
         let got = format!("the type {}", array.descr());
         return Err(layout("complex items of type c8 or c16", &got));
     };
-    let lmax = nearest_lmax(count);
-    if LmIndex::new(lmax).is_ok_and(|index| index.len() != count) {
-        let near = (lmax + 1) * (lmax + 2) / 2;
-        let expected = format!(
-            "(lmax + 1)(lmax + 2)/2 coefficients, {near} for lmax = {lmax}, the nearest (if mmax < lmax, save \
-             healpy.resize_alm(alm, lmax, mmax, lmax, lmax))"
-        );
-        return Err(layout(&expected, &count.to_string()));
-    }
+    let lmax = lmax_of(path, count)?;
     let mut alm = zeros(path, lmax)?;
     let values = alm.values_mut();
     let bytes_follow = array.for_each_row(2 * part.size(), 2 * part.size(), |at, bytes| {
@@ -79,6 +71,37 @@ fn read_npy(input: impl Read, path: &str) -> Result<Alm, FileError> {
         return Err(layout("a single array", "more bytes after it"));
     }
     Ok(alm)
+}
+
+/// Returns the coefficients of a real function from real and imaginary parts in the order of healpy.
+///
+/// # Errors
+///
+/// If their number is not that of a degree, one is not finite, or they do not fit in memory.
+pub(crate) fn alm_of_array(name: &str, coefficients: &[[f64; 2]]) -> Result<Alm, FileError> {
+    let mut alm = zeros(name, lmax_of(name, coefficients.len())?)?;
+    for (at, (to, parts)) in alm.values_mut().iter_mut().zip(coefficients).enumerate() {
+        [to.re, to.im] = finite(name, Place::Row(at), *parts)?;
+    }
+    Ok(alm)
+}
+
+/// Returns the degree of a number of coefficients.
+///
+/// # Errors
+///
+/// If it is that of no degree.
+fn lmax_of(path: &str, count: usize) -> Result<usize, FileError> {
+    let lmax = nearest_lmax(count);
+    if LmIndex::new(lmax).is_ok_and(|index| index.len() != count) {
+        let near = (lmax + 1) * (lmax + 2) / 2;
+        let expected = format!(
+            "(lmax + 1)(lmax + 2)/2 coefficients, {near} for lmax = {lmax}, the nearest (if mmax < lmax, save \
+             healpy.resize_alm(alm, lmax, mmax, lmax, lmax))"
+        );
+        return Err(layout_error(path, &expected, &count.to_string()));
+    }
+    Ok(lmax)
 }
 
 /// Returns the lmax whose number of coefficients is nearest to `count`.

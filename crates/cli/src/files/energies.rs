@@ -7,7 +7,7 @@ use sphvar_integrands::{EnergyEstimates, EnergyQuantity};
 
 use super::file_error::input_name;
 use super::input::open_input;
-use super::spectra::{Content, Spectrum, read_stream};
+use super::spectra::{Content, Spectrum, SpectrumRow, read_stream};
 use super::{FileError, Place};
 
 /// Estimates of energies that are 0 are less than 0 by more than this number of standard errors
@@ -89,11 +89,63 @@ fn energies(
     };
     let Spectrum { rows, name } = read_stream(input, path, content)?;
     let of_header = name.is_some_and(|name| ANGULAR_POWER.names.contains(&name));
-    let orders = |l: usize| match quantity {
-        Some(EnergyQuantity::Energy) => 1.0,
-        None if !of_header => 1.0,
-        _ => (2 * l + 1) as f64,
+    let is_angular_power = match quantity {
+        Some(quantity) => quantity == EnergyQuantity::AngularPower,
+        None => of_header,
     };
+    Ok(of_rows(rows, is_angular_power))
+}
+
+/// Returns energies, or `C_l` if `quantity` says so, that a program gives by degree from 0 with
+/// their standard errors, if they are known; `name` is for messages.
+///
+/// # Errors
+///
+/// If there are none, or one is invalid.
+pub(crate) fn energies_of_array(
+    name: &str,
+    values: &[f64],
+    errors: Option<&[f64]>,
+    quantity: Option<EnergyQuantity>,
+) -> Result<EnergyFile, FileError> {
+    let is_angular_power = quantity == Some(EnergyQuantity::AngularPower);
+    if values.is_empty() {
+        return Err(FileError::Layout {
+            path: name.to_owned(),
+            place: Place::Whole,
+            expected: "energies by degree from 0".to_owned(),
+            got: "none".to_owned(),
+        });
+    }
+    let row = |(l, &value): (usize, &f64)| {
+        let stderr = errors.map_or(0.0, |errors| errors[l]);
+        let wrong = |field: &str, expected: &str, got: f64| FileError::Value {
+            path: name.to_owned(),
+            place: Place::Row(l),
+            field: field.to_owned(),
+            expected: expected.to_owned(),
+            got: got.to_string(),
+        };
+        if !(stderr.is_finite() && stderr >= 0.0) {
+            return Err(wrong("stderr", "a finite number from 0", stderr));
+        }
+        if !(value.is_finite() && value >= -MAX_BELOW * stderr) {
+            let field = if is_angular_power { "cl" } else { "energy" };
+            let expected = match stderr {
+                0.0 => "a finite number from 0".to_owned(),
+                _ => format!("a finite number from 0, or less by at most {MAX_BELOW} times stderr"),
+            };
+            return Err(wrong(field, &expected, value));
+        }
+        Ok(SpectrumRow { l, value, stderr, realizations: 0 })
+    };
+    let rows: Result<Vec<SpectrumRow>, FileError> = values.iter().enumerate().map(row).collect();
+    Ok(of_rows(rows?, is_angular_power))
+}
+
+/// Returns the energies of rows in the order of their degrees.
+fn of_rows(rows: Vec<SpectrumRow>, is_angular_power: bool) -> EnergyFile {
+    let orders = |l: usize| if is_angular_power { (2 * l + 1) as f64 } else { 1.0 };
     // Only degree 0 may be absent.
     let count = rows.last().map_or(0, |row| row.l) + 1;
     let (mut per_degree, mut stderr) = (vec![0.0; count], vec![0.0; count]);
@@ -105,7 +157,7 @@ fn energies(
         per_degree[row.l] = row.value.max(0.0) * orders(row.l);
         stderr[row.l] = row.stderr * orders(row.l);
     }
-    Ok(EnergyFile { energies: EnergyEstimates { per_degree, stderr }, negative })
+    EnergyFile { energies: EnergyEstimates { per_degree, stderr }, negative }
 }
 
 #[cfg(test)]

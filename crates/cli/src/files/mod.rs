@@ -29,15 +29,17 @@ mod target;
 mod text_rows;
 mod used_files;
 
-pub(crate) use alm::read_alm;
+pub(crate) use alm::{alm_of_array, read_alm};
 pub(crate) use atomic::AtomicFile;
 pub(crate) use coefficients::{CoefficientFormat, write_coefficients};
-pub(crate) use energies::read_energies;
+pub(crate) use energies::{EnergyFile, energies_of_array, read_energies};
 pub(crate) use file_error::{FileError, Place, input_name};
 pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
 pub(crate) use folder_lock::FolderLock;
 pub(crate) use formats::{FileFormat, formats};
-pub(crate) use image::{ChannelChoice, decode_image, decode_picture, read_image};
+pub(crate) use image::{
+    ChannelChoice, ChannelImage, PictureArray, decode_image, decode_picture, read_image,
+};
 pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use live_files::{as_group, remove_all_and_exit};
@@ -47,7 +49,8 @@ pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use point_templates::point_files;
 pub(crate) use points::{
-    ColumnChoice, FilePoint, OptionSpelling, ReadOptions, read_points, write_points,
+    ColumnChoice, FilePoint, OptionSpelling, PointFile, ReadOptions, points_of_array, read_points,
+    write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use rotations::{RotationFile, RotationFormat, write_rotations};

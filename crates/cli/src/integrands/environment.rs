@@ -1,12 +1,19 @@
 //! Environment maps in files, with their orientation on the sphere.
 
+use std::borrow::Cow;
 use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use sphvar_integrands::{EnvironmentMap, PictureParameters, UpAxis};
 
 use crate::error::CliError;
-use crate::files::{ChannelChoice, decode_image, input_name, read_whole};
+use crate::files::{
+    ChannelChoice, ChannelImage, FileError, PictureArray, decode_image, decode_picture, input_name,
+    read_whole,
+};
+use crate::session::Session;
 
 /// The light probe of the examples, for users without a clone of the repository.
 const CITY: &[u8] = include_bytes!("../../data/city.exr");
@@ -24,34 +31,78 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// Reads the map of a file.
-    pub(crate) fn read(file: &Path, picture: &PictureParameters) -> Result<Self, CliError> {
-        Self::decode(file, &bytes_of(file)?, picture)
-    }
-
-    /// Returns the map of a file with the given content.
+    /// Returns the map of a picture; `file` is its name in messages.
     pub(crate) fn decode(
         file: &Path,
-        bytes: &[u8],
+        source: &PictureSource,
         picture: &PictureParameters,
     ) -> Result<Self, CliError> {
         let choice =
             ChannelChoice { channel: picture.channel.clone(), layer: picture.layer.clone() };
-        let image = decode_image(input_name(file), bytes, &choice)?;
+        let image = source.decode(file, &choice)?;
         let layout = picture.layout();
         let map = EnvironmentMap::from_picture(image.width, image.height, image.values, layout);
-        let map = map.map_err(|e| CliError::Failed(format!("{}: {e}", file.display())))?;
+        let map = map.map_err(|e| CliError::File(format!("{}: {e}", file.display())))?;
         let pole = picture.up.map(UpAxis::direction);
         Ok(Self { map, words: format!("{choice:?} {layout:?} {pole:?}"), remarks: image.remarks })
     }
 }
 
-/// Returns the content of a file, that of the built-in probe where its file does not exist.
-pub(crate) fn bytes_of(file: &Path) -> Result<Vec<u8>, CliError> {
-    if file == Path::new(CITY_FILE) && !file.exists() {
-        return Ok(CITY.to_vec());
+/// The content of a picture: a file, or an array that is given in its place. Clones share it.
+#[derive(Clone)]
+pub(crate) enum PictureSource {
+    File(Rc<[u8]>),
+    Array(Arc<PictureArray>),
+}
+
+impl PictureSource {
+    /// Reads the picture of a name, and the built-in probe where its file does not exist.
+    pub(crate) fn open(file: &Path, session: &Session) -> Result<Self, CliError> {
+        if let Some(array) = session.given.picture(file) {
+            return Ok(Self::Array(array));
+        }
+        if file == Path::new(CITY_FILE) && !file.exists() {
+            return Ok(Self::File(CITY.into()));
+        }
+        Ok(Self::File(read_whole(file)?.into()))
     }
-    Ok(read_whole(file)?)
+
+    /// Returns the bytes by which pictures differ.
+    pub(crate) fn bytes(&self) -> Cow<'_, [u8]> {
+        match self {
+            Self::File(bytes) => Cow::Borrowed(bytes),
+            Self::Array(array) => Cow::Owned(array.bytes()),
+        }
+    }
+
+    /// Returns one channel of radiances.
+    fn decode(&self, file: &Path, choice: &ChannelChoice) -> Result<ChannelImage, CliError> {
+        self.channel(file, choice, decode_image)
+    }
+
+    /// Returns one channel of a picture for a function on the unit square, also of PNG.
+    pub(super) fn decode_any(
+        &self,
+        file: &Path,
+        choice: &ChannelChoice,
+    ) -> Result<ChannelImage, CliError> {
+        self.channel(file, choice, decode_picture)
+    }
+
+    fn channel(
+        &self,
+        file: &Path,
+        choice: &ChannelChoice,
+        decode: impl Fn(String, &[u8], &ChannelChoice) -> Result<ChannelImage, FileError>,
+    ) -> Result<ChannelImage, CliError> {
+        match self {
+            Self::File(bytes) => Ok(decode(input_name(file), bytes, choice)?),
+            Self::Array(array) => {
+                let channel = array.channel(&file.display().to_string(), choice);
+                channel.map_err(CliError::of_array)
+            }
+        }
+    }
 }
 
 /// Returns the shortest rotation that carries a map's pole from a unit vector to +z.

@@ -3,17 +3,17 @@
 use sphvar_integrands::{AlmParameters, EnergiesParameters, EnergyEstimates, Expansion};
 use sphvar_spectrum::Method;
 
-use super::chosen_hdu;
 use crate::error::CliError;
-use crate::files::{self, read_alm};
 use crate::memory::{check_degree, check_memory};
+use crate::session::Session;
 
 /// Reads the energies of a file.
 pub(super) fn read_energies(
     wanted: &EnergiesParameters,
+    session: &Session,
     remarks: &mut Vec<String>,
 ) -> Result<EnergyEstimates, CliError> {
-    let file = files::read_energies(&wanted.file, wanted.quantity)?;
+    let file = session.read_energies(&wanted.file, wanted.quantity)?;
     let name = wanted.file.display().to_string();
     let count = file.energies.per_degree.len();
     check_degree(&name, count - 1)?;
@@ -30,11 +30,12 @@ pub(super) fn read_energies(
 /// Reads the coefficients of a file.
 pub(super) fn read_coefficients(
     wanted: &AlmParameters,
+    session: &Session,
     remarks: &mut Vec<String>,
 ) -> Result<Expansion, CliError> {
-    let (path, hdu) = chosen_hdu(&wanted.file, wanted.hdu.as_deref())?;
-    let failed = |e| CliError::Failed(format!("{}: {e}", path.display()));
-    Expansion::new(read_alm(&path, &hdu, remarks)?).map_err(failed)
+    let hdu = wanted.hdu.as_deref();
+    let (path, coefficients) = session.read_coefficients(&wanted.file, hdu, remarks)?;
+    Expansion::new(coefficients).map_err(|e| CliError::File(format!("{}: {e}", path.display())))
 }
 
 /// Rejects a degree whose coefficients and transforms do not fit in memory.

@@ -5,18 +5,19 @@ use std::path::Path;
 use sphvar_healpix::{Nested, Nside};
 use sphvar_integrands::{HealpixMap, HealpixMapParameters, MissingPixels};
 
-use super::chosen_hdu;
 use crate::error::CliError;
-use crate::files::{FitsField, FitsMap, read_fits_map};
+use crate::files::FitsMap;
+use crate::session::Session;
 
 /// Reads the map of a file.
 pub(super) fn read(
     wanted: &HealpixMapParameters,
+    session: &Session,
     remarks: &mut Vec<String>,
 ) -> Result<HealpixMap, CliError> {
-    let field = wanted.field.clone().map_or(FitsField::Number(0), FitsField::Name);
-    let (path, hdu) = chosen_hdu(&wanted.file, wanted.hdu.as_deref())?;
-    map(&path, read_fits_map(&path, &hdu, &field)?, wanted.missing, remarks)
+    let (hdu, field) = (wanted.hdu.as_deref(), wanted.field.as_deref());
+    let (path, read) = session.read_map(&wanted.file, hdu, field)?;
+    map(&path, read, wanted.missing, remarks)
 }
 
 /// Returns the map, converted to ring order if it is nested.
@@ -28,7 +29,7 @@ fn map(
 ) -> Result<HealpixMap, CliError> {
     let system = map.coordinates.map_or(String::new(), |c| format!(" (COORDSYS {c})"));
     let failed =
-        |e: &dyn std::fmt::Display| CliError::Failed(format!("{}{system}: {e}", path.display()));
+        |e: &dyn std::fmt::Display| CliError::File(format!("{}{system}: {e}", path.display()));
     let count = map.values.iter().filter(|value| !HealpixMap::is_value(**value)).count();
     if count > 0 {
         let (filling, words) = match missing {

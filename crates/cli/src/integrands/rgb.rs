@@ -21,10 +21,10 @@ pub(crate) fn parse_integrands(
     session: &Session,
 ) -> Result<Vec<NamedIntegrand<'static>>, CliError> {
     let expression = parse_expression(text)?;
-    let files = IntegrandFiles::default();
+    let files = IntegrandFiles::new(session);
     if !expression.terms().any(is_rgb) {
         let integrand = files.build(&expression, text.to_owned())?;
-        files.remarks.take().iter().for_each(|text| session.remark(text));
+        files.report();
         return Ok(vec![integrand]);
     }
     let of_channel = |channel: &'static str| {

@@ -9,7 +9,7 @@ use sphvar_integrands::{
 
 use super::IntegrandFiles;
 use crate::error::CliError;
-use crate::files::{ChannelChoice, decode_picture, input_name};
+use crate::files::ChannelChoice;
 use crate::session::Session;
 
 /// An integrand on the square with its name in tables.
@@ -44,26 +44,25 @@ pub(crate) fn parse_square_integrand(
             )),
             Err(_) => CliError::usage(error),
         })?;
-    let files = IntegrandFiles::default();
+    let files = IntegrandFiles::new(session);
     let function = expression.build(&files).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),
         other => CliError::usage(other),
     })?;
-    files.remarks.take().iter().for_each(|text| session.remark(text));
+    files.report();
     Ok(NamedSquareIntegrand { name: text.to_owned(), function })
 }
 
 /// Returns the picture of a file as a function.
 pub(super) fn read_image(
-    files: &IntegrandFiles,
+    files: &IntegrandFiles<'_>,
     wanted: &ImageParameters,
 ) -> Result<SquareImage, CliError> {
     let choice = ChannelChoice { channel: wanted.channel.clone(), layer: wanted.layer.clone() };
-    let bytes = files.picture(&wanted.file)?;
-    let read = decode_picture(input_name(&wanted.file), &bytes, &choice)?;
+    let read = files.picture(&wanted.file)?.decode_any(&wanted.file, &choice)?;
     files.remarks.borrow_mut().extend(read.remarks);
     SquareImage::new(read.width, read.height, read.values, wanted.interpolation)
-        .map_err(|e| CliError::Failed(format!("{}: {e}", wanted.file.display())))
+        .map_err(|e| CliError::File(format!("{}: {e}", wanted.file.display())))
 }
 
 /// The names of integrands on the square and their parameters; its `Display` text is for help.
@@ -78,13 +77,15 @@ impl fmt::Display for SquareForms {
 
 #[cfg(test)]
 mod tests {
-    use super::parse_square_integrand;
+    use super::{Session, parse_square_integrand};
 
     #[test]
     fn rotations_are_of_the_sphere() {
         for text in ["disk:radius=0.2 @ 30/10", "0.5 * half-plane:angle=3 @ 1/2/3 + wave:k1=1,k2=0"]
         {
-            let Err(error) = parse_square_integrand(text, true) else { panic!("{text}") };
+            let Err(error) = parse_square_integrand(text, &Session::default().muted()) else {
+                panic!("{text}")
+            };
             assert!(error.to_string().contains("rotations (@)"), "{error}");
         }
     }

@@ -10,11 +10,13 @@ use crate::error::CliError;
 use crate::files::{OptionSpelling, ReadOptions};
 use crate::memory::check_degree;
 use crate::report::number::value;
+use crate::session::Session;
 use crate::values::Values;
 
 /// Returns the fit to the values of a file.
 pub(super) fn fit(
     wanted: &ValuesParameters,
+    session: &Session,
     remarks: &mut Vec<String>,
 ) -> Result<FittedFunction, CliError> {
     let name = wanted.file.display().to_string();
@@ -33,7 +35,7 @@ pub(super) fn fit(
         ..ReadOptions::default()
     };
     let domain = if wanted.hemisphere { Domain::Hemisphere } else { Domain::Sphere };
-    let values = Values::read(std::slice::from_ref(&wanted.file), &options, domain)?;
+    let values = Values::read(std::slice::from_ref(&wanted.file), &options, domain, session)?;
     remarks.extend(values.remarks.iter().cloned());
     let error = |error: FitError| match error {
         FitError::TooFewPoints { .. } => CliError::Usage(format!("{name}: {error}")),

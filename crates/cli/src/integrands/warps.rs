@@ -14,7 +14,7 @@ pub(crate) fn strategies_of(
     domain: Domain,
     session: &Session,
 ) -> Result<Vec<Vec<Strategy>>, CliError> {
-    let files = IntegrandFiles::default();
+    let files = IntegrandFiles::new(session);
     let strategies = |warp: &&WarpExpression| {
         warp.strategies(domain, &files).map_err(|error| match error {
             Error::File(source) => CliError::of_resolver(&source),
@@ -22,6 +22,6 @@ pub(crate) fn strategies_of(
         })
     };
     let all = warps.iter().map(strategies).collect();
-    files.remarks.take().iter().for_each(|text| session.remark(text));
+    files.report();
     all
 }

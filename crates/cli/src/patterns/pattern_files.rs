@@ -10,20 +10,18 @@ use sphvar_samplers::{
 };
 
 use crate::error::CliError;
-use crate::files::{
-    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_profile,
-};
+use crate::files::{FilePoint, OptionSpelling, ReadOptions};
 use crate::session::Session;
 
 /// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
-/// it reads `--points`.
+/// it reads `--points`. Arrays that an embedding program gives have precedence.
 pub(crate) struct PatternFiles<'a> {
     pub(super) session: &'a Session,
 }
 
 impl FileResolver for PatternFiles<'_> {
     fn profile(&self, file: &Path) -> Result<ProfileTable, ResolveError> {
-        read_profile(file).map_err(|error| ResolveError::new(CliError::from(error)))
+        self.session.read_profile(file).map_err(ResolveError::new)
     }
 
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
@@ -58,7 +56,7 @@ impl PatternFiles<'_> {
             ..ReadOptions::default()
         };
         let (mut read, mut errors) = (Vec::new(), Vec::new());
-        for (stated_count, path) in point_files(source.file())? {
+        for (stated_count, path) in self.session.point_files(source.file())? {
             let file = self.read_one(&path, stated_count, &options);
             if stated_count.is_none() {
                 return Ok(vec![file?]);
@@ -66,7 +64,7 @@ impl PatternFiles<'_> {
             // The files of a template are used without each other.
             let checked = file.and_then(|file| match check(&file) {
                 Ok(()) => Ok(file),
-                Err(error) => Err(CliError::failed(error)),
+                Err(error) => Err(CliError::File(error.to_string())),
             });
             match checked {
                 Ok(file) => read.push(file),
@@ -88,7 +86,7 @@ impl PatternFiles<'_> {
         stated_count: Option<usize>,
         options: &ReadOptions,
     ) -> Result<PointFile<P>, CliError> {
-        let file = read_points(path, options)?;
+        let file = self.session.read_points(path, options)?;
         let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
         warnings.chain(file.remarks).for_each(|remark| self.session.say(&remark));
         let name = path.display().to_string();

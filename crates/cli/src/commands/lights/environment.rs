@@ -7,7 +7,7 @@ use sphvar_integrands::{EnvironmentMap, EnvironmentParameters, PictureParameters
 use sphvar_scene::RgbEnvironment;
 
 use crate::error::CliError;
-use crate::integrands::environment::{Environment, bytes_of, to_map};
+use crate::integrands::environment::{Environment, PictureSource, to_map};
 use crate::report::remark_on_channels;
 use crate::session::Session;
 
@@ -34,12 +34,12 @@ impl LightProbe {
                 "{name}: lights have red, green and blue; omit channel="
             )));
         }
-        let bytes = bytes_of(&file)?;
+        let source = PictureSource::open(&file, session)?;
         let mut remarks = Vec::new();
         let read = |channel: &'static str| -> Result<EnvironmentMap, CliError> {
             let picture =
                 PictureParameters { channel: Some(channel.to_owned()), ..picture.clone() };
-            let read = Environment::decode(&file, &bytes, &picture)?;
+            let read = Environment::decode(&file, &source, &picture)?;
             remarks.push((channel, read.remarks));
             Ok(read.map)
         };
@@ -47,7 +47,7 @@ impl LightProbe {
         remark_on_channels(session, &remarks);
         let pole = picture.up.map_or(DVec3::Z, UpAxis::direction);
         let environment = RgbEnvironment::new([r?, g?, b?], to_map(pole).inverse())
-            .map_err(|error| CliError::Failed(format!("{}: {error}", file.display())))?;
+            .map_err(|error| CliError::File(format!("{}: {error}", file.display())))?;
         Ok(Self { name, pole, environment })
     }
 }

@@ -15,7 +15,7 @@ use super::reference_file::fingerprint;
 use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
-use crate::integrands::environment::{Environment, bytes_of, to_map};
+use crate::integrands::environment::{Environment, PictureSource, to_map};
 use crate::session::Session;
 use crate::spec::{Spec, argument, unknown_name};
 
@@ -251,12 +251,14 @@ impl StageArgs {
                 let keys = sphvar_grammar::take(&mut picture, &mut spec)?;
                 let known = ["env", "albedo"].into_iter().chain(keys.iter().map(String::as_str));
                 spec.finish(&known.collect::<Vec<_>>())?;
-                let Environment { map, words, remarks } = Environment::read(&file, &picture)?;
+                let source = PictureSource::open(&file, session)?;
+                let Environment { map, words, remarks } =
+                    Environment::decode(&file, &source, &picture)?;
                 let pole = picture.up.map(UpAxis::direction);
                 remarks.iter().for_each(|text| session.remark(text));
                 let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
                 let to_map = to_map(up);
-                let hash = fingerprint(&bytes_of(&file)?);
+                let hash = fingerprint(&source.bytes());
                 let words = format!("irradiance {hash} {words} {albedo:e} {to_map:?}");
                 let environment = map;
                 Ok((RequestedIntegral::Irradiance { environment, to_map, albedo }, words))

@@ -1,5 +1,6 @@
 //! Reads environment maps: one channel of a linear picture.
 
+mod array;
 mod exr_channels;
 mod exr_file;
 mod png_file;
@@ -10,6 +11,8 @@ use std::path::Path;
 use super::file_error::{FileError, Place, input_name};
 use super::input::read_whole;
 use super::memory_guard::check_announced;
+
+pub(crate) use self::array::PictureArray;
 
 /// The channels of every colour picture.
 const CHANNELS: &str = "luminance, r, g, b";

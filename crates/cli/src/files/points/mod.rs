@@ -1,6 +1,7 @@
 //! Point sets in files: CSV and other text, NPY, NPZ, PLY, FITS tables, and our own JSON.
 
 mod angles;
+mod array;
 mod assignment;
 mod collector;
 mod column;
@@ -33,6 +34,7 @@ use super::file_error::{FileError, Place, input_name, is_dash};
 use super::fits::HduChoice;
 use super::input::{open_input, read_rest};
 
+pub(crate) use array::points_of_array;
 pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
 pub(crate) use space::{FilePoint, Space};
