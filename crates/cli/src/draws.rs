@@ -1,21 +1,24 @@
 //! The numbered sets of a sampler, as `sphvar sample` draws them.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use sphvar_integrands::{Heuristic, Strategy};
 use sphvar_samplers::{
-    Domain, Ensemble, Error, Pattern, PointSet, Progress, Purpose, Realizations, Sampler,
-    SetDistribution, Square, SquareDistribution, SquarePattern, SquareRealizations, SquareSampler,
-    Streams, rotate, shift,
+    Domain, Ensemble, Error, Pattern, PointSet, Progress, Purpose, Realizations, RotationGroup,
+    RotationPattern, RotationRealizations, RotationSampler, RotationSet, Sampler, SetDistribution,
+    Square, SquareDistribution, SquarePattern, SquareRealizations, SquareSampler, Streams, rotate,
+    shift,
 };
 use sphvar_variance::{WarpedPattern, WarpedRealizations};
 
+use crate::embedding::Failure;
 use crate::error::CliError;
 use crate::flags::missing_count;
 use crate::integrands::strategies_of;
 use crate::patterns::{self, DirectionSampler};
 use crate::session::Session;
 
-/// What is drawn: a sampler of directions or of the unit square with its options.
+/// What is drawn: a sampler of directions, of points of the unit square or of rotations with its
+/// options.
 #[derive(Clone, Debug, Default)]
 pub struct DrawRequest {
     /// The sampler, as the command accepts it.
@@ -24,7 +27,7 @@ pub struct DrawRequest {
     pub n: Option<usize>,
     /// Use the valid number of points nearest to `n`.
     pub nearest: bool,
-    /// Use the hemisphere instead of the sphere.
+    /// Use the hemisphere instead of the sphere; only directions have it.
     pub hemisphere: bool,
     /// Apply an independent uniform random rotation to every set or, on the square, a shift.
     pub is_randomized: bool,
@@ -41,8 +44,8 @@ pub enum GivenSets {
     InOrder,
 }
 
-/// The numbered sets of a sampler: directions, or points `[u, v]` of the unit square. Set `i` is a
-/// function of the request and `i` alone.
+/// The numbered sets of a sampler: directions, points `[u, v]` of the unit square or rotations. Set `i`
+/// is a function of the request and `i` alone.
 pub struct Draws<P = DVec3> {
     /// The sampler with its parameters.
     pub(crate) sampler: String,
@@ -76,6 +79,35 @@ trait NumberedSets<P>: Send + Sync {
         set: &mut PointSet<P>,
         progress: &dyn Progress,
     ) -> Result<(), Error>;
+}
+
+impl Session {
+    /// Returns the sets of directions of a sampler.
+    ///
+    /// # Errors
+    ///
+    /// Those of the command `sample` in its words.
+    pub fn directions(&self, request: &DrawRequest) -> Result<Draws, Failure> {
+        Ok(Draws::new(request, &self.run(&[]))?)
+    }
+
+    /// Returns the sets of a sampler of the unit square.
+    ///
+    /// # Errors
+    ///
+    /// Those of the command `sample --square` in its words.
+    pub fn square_points(&self, request: &DrawRequest) -> Result<Draws<[f64; 2]>, Failure> {
+        Ok(Draws::square(request, &self.run(&[]))?)
+    }
+
+    /// Returns the sets of a pattern of rotations.
+    ///
+    /// # Errors
+    ///
+    /// Those of the command `rotations` in its words.
+    pub fn rotations(&self, request: &DrawRequest) -> Result<Draws<DQuat>, Failure> {
+        Ok(Draws::rotations(request, &self.run(&[]))?)
+    }
 }
 
 impl<P> Draws<P> {
@@ -236,6 +268,53 @@ impl Draws<[f64; 2]> {
     }
 }
 
+impl Draws<DQuat> {
+    /// Returns the sets of a pattern of rotations. Reports remarks.
+    ///
+    /// # Errors
+    ///
+    /// If the request is invalid.
+    pub(crate) fn rotations(request: &DrawRequest, session: &Session) -> Result<Self, CliError> {
+        let DrawRequest { sampler, n, nearest, seed, .. } = request;
+        let (pattern, sampler) = patterns::sampler_of::<RotationPattern, _>(
+            sampler,
+            *n,
+            RotationGroup,
+            *nearest,
+            session,
+        )?;
+        let n_points = sampler.n_points();
+        Ok(Self {
+            sampler: pattern.to_string(),
+            label: pattern.to_string(),
+            n_points,
+            n_given: None,
+            nominal_work: n_points as f64,
+            last_empty_degree: None,
+            remark: None,
+            sets: Box::new(RotationSets {
+                sampler,
+                is_rotated: request.is_randomized,
+                seed: *seed,
+            }),
+        })
+    }
+}
+
+/// Returns the realizations of a sampler of rotations.
+pub(crate) fn rotation_realizations(
+    sampler: &dyn RotationSampler,
+    is_rotated: bool,
+    seed: u64,
+) -> RotationRealizations<'_> {
+    let streams = streams(sampler.sequence_group(), sampler.stream_group(), seed);
+    if is_rotated {
+        RotationRealizations::rotated(sampler, streams)
+    } else {
+        RotationRealizations::unrotated(sampler, streams)
+    }
+}
+
 struct DirectionSets {
     sampler: Box<dyn Sampler>,
     streams: Streams,
@@ -315,6 +394,25 @@ impl NumberedSets<[f64; 2]> for SquareSets {
             }
             _ => drawn.realize_into(index, set, progress),
         }
+    }
+}
+
+struct RotationSets {
+    sampler: Box<dyn RotationSampler>,
+    is_rotated: bool,
+    seed: u64,
+}
+
+impl NumberedSets<DQuat> for RotationSets {
+    fn realize_into(
+        &self,
+        index: u64,
+        _: GivenSets,
+        set: &mut RotationSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        rotation_realizations(&*self.sampler, self.is_rotated, self.seed)
+            .realize_into(index, set, progress)
     }
 }
 

@@ -13,6 +13,9 @@ use std::fmt;
 use crate::error::CliError;
 use crate::message;
 
+pub use crate::commands::healpix::{angles_of_degrees, degrees_of_angles, rounded_colatitude};
+pub use crate::draws::{DrawRequest, Draws, GivenSets};
+pub use crate::files::RotationFormat;
 pub use crate::given::PointTable;
 pub use crate::session::Session;
 
@@ -68,6 +71,15 @@ impl Failure {
         };
         Self { kind, message: message::clean(&error.to_string()) }
     }
+}
+
+/// Returns a failure if `bytes`, a lower bound of the memory of `what`, exceed the available memory.
+///
+/// # Errors
+///
+/// A failure of the kind [`FailureKind::Memory`].
+pub fn check_memory(what: &str, bytes: f64) -> Result<(), Failure> {
+    Ok(crate::memory::check_memory(what, bytes)?)
 }
 
 /// Runs the command with the words after its name and returns its exit status.

@@ -131,11 +131,11 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
         }),
         Conversion::AngToPix if args.degrees => {
             job.convert(&DEGREES, &PIXEL, |[lon, lat]: [f64; 2]| {
-                if !(-90.0..=90.0).contains(&lat) {
-                    return Err(Fault::Column(1, "a latitude from -90 to 90 degrees".to_owned()));
-                }
-                // The remainder is exact, so longitudes of many periods lose no accuracy.
-                pixel_of_angles(order, (90.0_f64 - lat).to_radians(), (lon % 360.0).to_radians())
+                // The list contains only finite numbers, so every longitude is valid.
+                let [theta, phi] = angles_of_degrees(lon, lat).ok_or_else(|| {
+                    Fault::Column(1, "a latitude from -90 to 90 degrees".to_owned())
+                })?;
+                pixel_of_angles(order, theta, phi)
             })
         }
         Conversion::AngToPix => {
@@ -143,7 +143,7 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
         }
         Conversion::PixToAng if args.degrees => job.convert(&PIXEL, &DEGREES, |[pixel]| {
             let (theta, phi) = order.centre_angles(checked(nside, pixel)?);
-            Ok([phi.to_degrees(), 90.0 - theta.to_degrees()])
+            Ok(degrees_of_angles(theta, phi))
         }),
         Conversion::PixToAng => job.convert(&PIXEL, &RADIANS, |[pixel]| {
             Ok(<[f64; 2]>::from(order.centre_angles(checked(nside, pixel)?)))
@@ -165,8 +165,30 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
     }
 }
 
+/// Returns the colatitude, which is pi for numbers that exceed pi by no more than rounding to `f32`
+/// does.
+#[must_use]
+pub fn rounded_colatitude(theta: f64) -> f64 {
+    if (PI..=PI + THETA_SLACK).contains(&theta) { PI } else { theta }
+}
+
+/// Returns the colatitude and the longitude in radians of a longitude and a latitude in degrees, or
+/// `None` if the longitude is not finite or the latitude is not from -90 to 90.
+#[must_use]
+pub fn angles_of_degrees(lon: f64, lat: f64) -> Option<[f64; 2]> {
+    // The remainder is exact, so longitudes of many periods lose no accuracy.
+    let angles = || [(90.0 - lat).to_radians(), (lon % 360.0).to_radians()];
+    (lon.is_finite() && (-90.0..=90.0).contains(&lat)).then(angles)
+}
+
+/// Returns the longitude and the latitude in degrees of a colatitude and a longitude in radians.
+#[must_use]
+pub fn degrees_of_angles(theta: f64, phi: f64) -> [f64; 2] {
+    [phi.to_degrees(), 90.0 - theta.to_degrees()]
+}
+
 fn pixel_of_angles(order: &dyn PixelOrder, theta: f64, phi: f64) -> Result<[i64; 1], Fault> {
-    let theta = if (PI..=PI + THETA_SLACK).contains(&theta) { PI } else { theta };
+    let theta = rounded_colatitude(theta);
     // The list contains only finite numbers, so every longitude is valid.
     let pixel = order.pixel_of_angles(theta, phi).map_err(|_| {
         let expected = "a colatitude from 0 to pi radians (degrees are lon,lat, with --degrees)";

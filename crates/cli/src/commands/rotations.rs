@@ -6,13 +6,12 @@ pub(crate) mod sets;
 use std::path::PathBuf;
 
 use clap::Args;
-use sphvar_samplers::{
-    Purpose, RotationGroup, RotationPattern, RotationRealizations, RotationSampler, Streams,
-};
+use sphvar_samplers::{RotationGroup, RotationPattern, RotationRealizations, RotationSampler};
 
 use self::measures::{MeasuresBody, MeasuresRecord};
 use self::sets::WrittenSets;
 use crate::counts::{parse_number, parse_realizations};
+use crate::draws::rotation_realizations;
 use crate::error::CliError;
 use crate::files::RotationFormat;
 use crate::flags::{CountsArgs, LmaxArgs, NearestArgs, SamplersArgs, lmax_help, missing_count};
@@ -104,14 +103,7 @@ pub(crate) struct Case {
 impl Case {
     /// Returns the ensemble of the realizations.
     fn ensemble(&self, args: &RotationsArgs, global: &Global) -> RotationRealizations<'_> {
-        let sampler = &*self.sampler;
-        let group = sampler.sequence_group().unwrap_or_else(|| sampler.stream_group());
-        let streams = Streams::new(global.seed, Purpose::Pattern, group);
-        if args.rotate {
-            RotationRealizations::rotated(sampler, streams)
-        } else {
-            RotationRealizations::unrotated(sampler, streams)
-        }
+        rotation_realizations(&*self.sampler, args.rotate, global.seed)
     }
 }
 

@@ -53,7 +53,8 @@ pub(crate) use points::{
     write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
-pub(crate) use rotations::{RotationFile, RotationFormat, write_rotations};
+pub use rotations::RotationFormat;
+pub(crate) use rotations::{RotationFile, write_rotations};
 pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};

@@ -24,7 +24,7 @@ pub(crate) enum RotationFile {
 /// How rotations are written as numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum RotationFormat {
+pub enum RotationFormat {
     /// Unit quaternions w, x, y, z with w >= 0
     Quaternions,
     /// Matrices by rows, which are multiplied by column vectors
@@ -46,7 +46,8 @@ impl RotationFormat {
     }
 
     /// Returns the numbers of a rotation.
-    pub(crate) fn numbers(self, rotation: DQuat) -> Vec<f64> {
+    #[must_use]
+    pub fn numbers(self, rotation: DQuat) -> Vec<f64> {
         match self {
             Self::Quaternions => {
                 let DQuat { w, x, y, z } = rotation;
@@ -62,7 +63,8 @@ impl RotationFormat {
     }
 
     /// Returns the shape of a rotation in an array.
-    fn shape(self) -> &'static [u64] {
+    #[must_use]
+    pub fn shape(self) -> &'static [u64] {
         match self {
             Self::Quaternions => &[4],
             Self::Matrices => &[3, 3],
