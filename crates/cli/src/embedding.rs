@@ -5,18 +5,22 @@
 //! the same question has the same answer, and the same words in errors.
 
 mod arrays;
+mod fits;
 mod parsing;
+mod spectra;
 
 use std::ffi::OsString;
 use std::fmt;
 
-use crate::error::CliError;
-use crate::message;
-
+pub use self::spectra::SpectrumAnswer;
+use crate::args::Command;
 pub use crate::commands::healpix::{angles_of_degrees, degrees_of_angles, rounded_colatitude};
 pub use crate::draws::{DrawRequest, Draws, GivenSets};
+use crate::error::CliError;
 pub use crate::files::RotationFormat;
 pub use crate::given::PointTable;
+use crate::global::Global;
+use crate::message;
 pub use crate::session::Session;
 
 /// Why a question has no answer.
@@ -60,10 +64,18 @@ impl std::error::Error for Failure {}
 
 impl Failure {
     /// Returns the failure of a run; the content of an array is invalid as an argument is.
-    fn of_run(error: &CliError, session: &Session) -> Self {
+    fn of_run(error: CliError, session: &Session) -> Self {
+        let is_of_array =
+            matches!(&error, CliError::File(message) if session.given.is_about(message));
+        let failure = Self::from(error);
+        if is_of_array { Self { kind: FailureKind::Usage, ..failure } } else { failure }
+    }
+}
+
+impl From<CliError> for Failure {
+    fn from(error: CliError) -> Self {
         let kind = match error {
             CliError::Usage(_) => FailureKind::Usage,
-            CliError::File(message) if session.given.is_about(message) => FailureKind::Usage,
             CliError::File(_) => FailureKind::File,
             CliError::Memory(_) => FailureKind::Memory,
             CliError::Stopped(_) => FailureKind::Stopped,
@@ -96,16 +108,32 @@ impl Session {
     ///
     /// Those of the command in its words, and options that write files or set the number of threads.
     pub fn answer(&self, words: &[String]) -> Result<String, Failure> {
+        self.run_with(words, |command, global| {
+            crate::execute(command, global)?;
+            Ok(global.session.take_output())
+        })
+    }
+
+    /// Returns the result of `task` for the command that the words name.
+    fn run_with<T>(
+        &self,
+        words: &[String],
+        task: impl FnOnce(Command, &Global) -> Result<T, CliError>,
+    ) -> Result<T, Failure> {
         let (command, mut global) = parsing::parse(words)?;
         let run = self.run(words);
         global.session = run.clone();
-        let result = crate::execute(command, &global);
+        let result = task(command, &global);
         // Stopped work is unfinished also where a command reports parts of it as unavailable.
         if run.is_stopped() {
             let message = sphvar_samplers::Stopped.to_string();
             return Err(Failure { kind: FailureKind::Stopped, message });
         }
-        result.map_err(|error| Failure::of_run(&error, &run))?;
-        Ok(run.take_output())
+        result.map_err(|error| Failure::of_run(error, &run))
     }
+}
+
+/// Returns the error of words that name another command than the expected one.
+fn other_command(expected: &str) -> CliError {
+    CliError::Usage(format!("expected the words of the command {expected}"))
 }

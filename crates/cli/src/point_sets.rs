@@ -1,11 +1,12 @@
 //! Point sets from the user's files.
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sphvar_samplers::{
     Domain, Ensemble, Error, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
     SetDistribution, Space, Square, SquareDistribution, SquareSampler, Streams, rotate,
 };
+use sphvar_spectrum::ExactSum;
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
@@ -39,7 +40,7 @@ impl Ensemble for RotatedSets<'_> {
 }
 
 /// The sums of the weights of sets, each a mean over the sets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct WeightSums {
     /// `(sum w)^2 / sum w^2`, the number of equal points with the same white noise.
     pub(crate) n_effective: f64,
@@ -51,22 +52,56 @@ pub(crate) struct WeightSums {
     pub(crate) sum_w2: f64,
 }
 
+/// Exact totals over sets of the sums of their weights, for [`WeightSums`].
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct WeightTotals {
+    n_effective: ExactSum,
+    sum_w: ExactSum,
+    sum_w2: ExactSum,
+    sets: u64,
+    has_weights: bool,
+}
+
+impl WeightTotals {
+    /// Returns the totals over sets.
+    pub(crate) fn of_sets<P>(sets: &[PointSet<P>]) -> Self {
+        let mut totals = Self::default();
+        for set in sets {
+            let (sum, squares) = set.weight_sums();
+            totals.n_effective.add(set.n_effective());
+            totals.sum_w.add(sum);
+            // Sets with weights have one that is not 0.
+            totals.sum_w2.add(if squares.is_normal() { squares } else { f64::NAN });
+            totals.sets += 1;
+            totals.has_weights |= !set.weights.is_empty();
+        }
+        totals
+    }
+
+    /// Adds the totals over other sets.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.n_effective.merge(&other.n_effective);
+        self.sum_w.merge(&other.sum_w);
+        self.sum_w2.merge(&other.sum_w2);
+        self.sets = self.sets.saturating_add(other.sets);
+        self.has_weights |= other.has_weights;
+    }
+
+    /// Returns the means over the sets, or `None` if no set has weights.
+    pub(crate) fn means(&self) -> Option<WeightSums> {
+        let mean = |sum: &ExactSum| sum.value() / self.sets as f64;
+        self.has_weights.then(|| WeightSums {
+            n_effective: mean(&self.n_effective),
+            sum_w: mean(&self.sum_w),
+            sum_w2: mean(&self.sum_w2),
+        })
+    }
+}
+
 impl WeightSums {
     /// Returns the means over sets, or `None` if no set has weights.
     pub(crate) fn of_sets<P>(sets: &[PointSet<P>]) -> Option<Self> {
-        if sets.iter().all(|set| set.weights.is_empty()) {
-            return None;
-        }
-        let mut mean = Self { n_effective: 0.0, sum_w: 0.0, sum_w2: 0.0 };
-        let share = 1.0 / sets.len() as f64;
-        for set in sets {
-            let (sum, squares) = set.weight_sums();
-            mean.n_effective += share * set.n_effective();
-            mean.sum_w += share * sum;
-            // Sets with weights have one that is not 0.
-            mean.sum_w2 += if squares.is_normal() { share * squares } else { f64::NAN };
-        }
-        Some(mean)
+        WeightTotals::of_sets(sets).means()
     }
 
     /// Returns the sums of a sampler whose sets are given or always the same, or `None` if they

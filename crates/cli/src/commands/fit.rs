@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::Resettable;
 use schemars::JsonSchema;
 use serde::Serialize;
+use sphvar_sh::Alm;
 use sphvar_spectrum::{Fit, FitError, FittedEnergy, Method};
 
 use super::sets_args::PointFileArgs;
@@ -115,11 +116,28 @@ struct EnergyRow {
 }
 
 pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
-    check_degree("--lmax", args.lmax)?;
     let coefficients = args.out.as_deref().and_then(CoefficientFormat::of_path);
     if let Some(path) = &args.out {
         check_out(path, coefficients)?;
     }
+    let (body, alm) = compute(args, global)?;
+    let provenance = Provenance::new(&global.session, global.seed);
+    if let (Some(format), Some(path)) = (coefficients, &args.out) {
+        write_coefficients(path, format, &alm)?;
+        return if global.json {
+            Document::new(&body, &provenance).print(&global.session)
+        } else {
+            global.session.print(&body.text())
+        };
+    }
+    let csv = || csv_of(&provenance, &body.energies);
+    let forms = Forms { csv: &csv, chart: None, text: &|| body.text() };
+    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+}
+
+/// Computes the fit that the arguments describe. Returns its document and its coefficients.
+pub(crate) fn compute(args: &FitArgs, global: &Global) -> Result<(FitBody, Alm), CliError> {
+    check_degree("--lmax", args.lmax)?;
     let domain = args.domain.domain();
     let sources = &args.files.files;
     if sources.len() > 1 && !args.files.join {
@@ -148,18 +166,7 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
     let fit = problem.solve(args.lmax, &mut watch).map_err(error)?;
     drop(progress);
     let body = FitBody::new(&values, problem.n_distinct(), args, &fit);
-    let provenance = Provenance::new(&global.session, global.seed);
-    if let (Some(format), Some(path)) = (coefficients, &args.out) {
-        write_coefficients(path, format, &fit.alm)?;
-        return if global.json {
-            Document::new(&body, &provenance).print(&global.session)
-        } else {
-            global.session.print(&body.text())
-        };
-    }
-    let csv = || csv_of(&provenance, &body.energies);
-    let forms = Forms { csv: &csv, chart: None, text: &|| body.text() };
-    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+    Ok((body, fit.alm))
 }
 
 /// Rejects the path of results before the work starts.

@@ -7,6 +7,7 @@ pub(crate) mod report;
 mod square;
 mod square_chart;
 pub(crate) mod square_report;
+mod sums;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,13 +21,15 @@ use sphvar_samplers::{
 };
 use sphvar_spectrum::{
     CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, OrderPower, Resolution,
-    SpectrumAccumulator, accumulate,
+    Spectrum, SpectrumAccumulator, accumulate,
 };
 
-use self::coefficient::parse_coefficient;
+use self::coefficient::{Coefficient, parse_coefficient};
 use self::pairs::{PairArgs, PairBody};
-pub(crate) use self::report::{Remarks, emit};
-pub(crate) use self::square_report::{SquareResult, emit_square};
+pub(crate) use self::report::{Remarks, SpectrumBody, emit};
+pub(crate) use self::square::{SquareComputed, compute as compute_square};
+pub(crate) use self::square_report::{SquareResult, SquareSpectrumBody, emit_square};
+pub(crate) use self::sums::{EstimatedSums, Origin};
 use super::sets_args::SetsArgs;
 use crate::counts::parse_realizations;
 use crate::error::CliError;
@@ -38,7 +41,7 @@ use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::point_sets::{FileSets, WeightSums};
+use crate::point_sets::{FileSets, WeightSums, WeightTotals};
 use crate::progress::Progress;
 use crate::report::{Provenance, check_result, csv_of, is_stdout, write_text};
 use crate::transforms::TransformArgs;
@@ -195,17 +198,53 @@ impl Source {
     }
 }
 
+/// A spectrum that was computed, with what is reported and saved beside it.
+pub(crate) struct Computed {
+    /// The sampler with its parameters, or the files.
+    pub(crate) name: String,
+    pub(crate) spectrum: Spectrum,
+    pub(crate) remarks: Remarks,
+    /// The sums of the realizations; `None` for a closed form.
+    pub(crate) sums: Option<EstimatedSums>,
+    /// The time that the spectrum took.
+    pub(crate) seconds: f64,
+    orders: Option<OrderAccumulator>,
+    coefficient: Option<(Coefficient, CoefficientSamples)>,
+}
+
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     if args.square.square {
         return square::run(args, global);
     }
-    let domain = args.sets.domain.domain();
     check_outputs(args, global)?;
+    let computed = compute(args, global)?;
+    let provenance = Provenance::new(&global.session, global.seed);
+    if let (Some(path), Some(sums)) = (&args.save, computed.sums) {
+        sums.shard.write(path)?;
+    }
+    if let (Some(path), Some(orders)) = (&args.per_order, computed.orders) {
+        let domain = computed.spectrum.domain();
+        let orders = orders.finish().into_iter().filter(|o| domain.has_degree(o.l));
+        let rows: Vec<OrderRecord> = orders.map(OrderRecord::from).collect();
+        write_text(path, &csv_of(&provenance, &rows)?)?;
+    }
+    if let Some((coefficient, samples)) = computed.coefficient {
+        let samples = samples.finish();
+        let rows = samples.iter().map(|a| CoefficientRecord { re: a.re, im: a.im });
+        write_text(&coefficient.path, &csv_of(&provenance, &rows.collect::<Vec<_>>())?)?;
+    }
+    let Computed { name, spectrum, remarks, seconds, .. } = computed;
+    emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
+}
+
+/// Computes the spectrum of directions that the arguments describe.
+pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<Computed, CliError> {
+    let domain = args.sets.domain.domain();
     let source = source(args, domain, global)?;
     if let Source::Sampler { pattern, sampler } = &source
         && args.exact
     {
-        return run_exact(args, global, pattern, &**sampler);
+        return compute_exact(args, global, pattern, &**sampler);
     }
     let given = source.given_sets(args);
     let (name, n_points, count) = match &source {
@@ -263,56 +302,47 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let empty = (empty, of_pairs);
     let ((sums, (orders, samples)), of_pairs) =
         accumulate(sets, resolution, part.clone(), &empty, &progress)?;
-    // A single set in a file is of interest itself, not as a realization of an ensemble, so its
-    // spectrum has no error.
-    let (exact, has_no_error, weights) = match &source {
-        Source::Sampler { sampler, .. } => {
-            (!sampler.is_random(), false, WeightSums::of_sampler(&**sampler)?)
+    let (exact, origin) = match &source {
+        Source::Sampler { pattern, sampler } => {
+            let weights = WeightSums::of_sampler(&**sampler)?;
+            let is_file = matches!(pattern, Pattern::PointFile(_));
+            (!sampler.is_random(), Origin::of_sampler(is_file, weights))
         }
-        Source::Files { sets } => (count == 1, count == 1, WeightSums::of_sets(sets.sets().sets())),
+        Source::Files { sets } => {
+            (count == 1, Origin::Given(WeightTotals::of_sets(sets.sets().sets())))
+        }
     };
-    let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, has_no_error)).transpose()?;
-    drop(progress);
     let spectrum = sums.finish()?;
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };
+    let ensemble = SavedEnsemble {
+        sampler: name.clone(),
+        is_random: !exact,
+        domain,
+        lmax,
+        transform: format!("{method:?} {epsilon:e}"),
+        seed: global.seed,
+        realizations: count,
+        version: Provenance::new(&global.session, global.seed).version.to_string(),
+        instruction_set: instruction_set(),
+    };
+    let shard = Shard { ensemble, parts: vec![args.share()], sums };
+    let sums = EstimatedSums { shard, origin };
+    let mut remarks = sums.remarks();
+    let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, remarks.has_no_error));
+    remarks.pairs = pairs.transpose()?;
+    drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-
-    let provenance = Provenance::new(&global.session, global.seed);
-    if let Some(path) = &args.save {
-        let ensemble = SavedEnsemble {
-            sampler: name.clone(),
-            is_random: !exact,
-            domain,
-            lmax,
-            transform: format!("{method:?} {epsilon:e}"),
-            seed: global.seed,
-            realizations: count,
-            version: provenance.version.to_string(),
-            instruction_set: instruction_set(),
-        };
-        Shard { ensemble, parts: vec![args.share()], sums }.write(path)?;
-    }
-    if let (Some(path), Some(orders)) = (&args.per_order, orders) {
-        let orders = orders.finish().into_iter().filter(|o| domain.has_degree(o.l));
-        let rows: Vec<OrderRecord> = orders.map(OrderRecord::from).collect();
-        write_text(path, &csv_of(&provenance, &rows)?)?;
-    }
-    if let (Some(coefficient), Some(samples)) = (&coefficient, samples) {
-        let samples = samples.finish();
-        let rows = samples.iter().map(|a| CoefficientRecord { re: a.re, im: a.im });
-        write_text(&coefficient.path, &csv_of(&provenance, &rows.collect::<Vec<_>>())?)?;
-    }
-    let remarks = Remarks { has_no_error, weights, pairs };
-    emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
+    let coefficient = coefficient.zip(samples);
+    Ok(Computed { name, spectrum, remarks, sums: Some(sums), seconds, orders, coefficient })
 }
 
 /// Computes the spectrum in closed form.
-fn run_exact(
+fn compute_exact(
     args: &SpectrumArgs,
     global: &Global,
     pattern: &Pattern,
     sampler: &dyn Sampler,
-) -> Result<(), CliError> {
+) -> Result<Computed, CliError> {
     let lmax = args.lmax.lmax.unwrap_or_else(|| Resolution::natural_degree(sampler.n_points()));
     check_degree("--lmax", lmax)?;
     let exact = ExactSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
@@ -327,8 +357,7 @@ fn run_exact(
     let seconds = started.elapsed().as_secs_f64();
     let weights = WeightSums::of_sampler(sampler)?;
     let remarks = Remarks { has_no_error: false, weights, pairs: None };
-    let provenance = Provenance::new(&global.session, global.seed);
-    emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
+    Ok(Computed { name, spectrum, remarks, sums: None, seconds, orders: None, coefficient: None })
 }
 
 /// Rejects outputs that cannot be written, before the work starts.

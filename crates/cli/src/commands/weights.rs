@@ -99,6 +99,34 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_weighted_points(path)?;
     }
+    let (mut body, weighted) = compute(args, global)?;
+    let provenance = Provenance::new(&global.session, global.seed);
+    let to_stdout = args.out.as_deref().is_some_and(is_stdout);
+    if let Some(path) = args.out.as_deref().filter(|_| !(to_stdout && global.json)) {
+        let sets = std::slice::from_ref(&weighted);
+        write_points(path, None, sets, Some(&provenance.line()))?;
+    }
+    let is_written = args.out.as_deref().is_some_and(|path: &Path| !is_stdout(path));
+    body.weights = (!is_written).then_some(weighted.weights);
+    if global.json {
+        Document::new(&body, &provenance).print(&global.session)
+    } else if to_stdout {
+        Ok(())
+    } else {
+        let mut text = body.text();
+        if args.out.is_none() {
+            text += "\n-o FILE writes the points with their weights.\n";
+        }
+        global.session.print(&text)
+    }
+}
+
+/// Computes the weights that the arguments describe. Returns the document without them, and the
+/// points with them.
+pub(crate) fn compute(
+    args: &WeightsArgs,
+    global: &Global,
+) -> Result<(WeightsBody, PointSet), CliError> {
     if let Some(degree) = args.degree {
         check_degree("--degree", degree)?;
     }
@@ -124,14 +152,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
             .say(&format!("{repeated} of {n} points are repeated and share their weight"));
     }
     let rule = solve(&problem, args.degree, n, &global.session)?;
-    let weighted = PointSet { points: set.points.clone(), weights: rule.weights.clone() };
-    let provenance = Provenance::new(&global.session, global.seed);
-    let to_stdout = args.out.as_deref().is_some_and(is_stdout);
-    if let Some(path) = args.out.as_deref().filter(|_| !(to_stdout && global.json)) {
-        let sets = std::slice::from_ref(&weighted);
-        write_points(path, None, sets, Some(&provenance.line()))?;
-    }
-    let is_written = args.out.as_deref().is_some_and(|path: &Path| !is_stdout(path));
+    let weighted = PointSet { points: set.points.clone(), weights: rule.weights };
     let body = WeightsBody {
         points: files.name().to_owned(),
         n,
@@ -139,25 +160,15 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
         degree: rule.degree,
         nonnegative: args.nonnegative,
         residual: rule.residual,
-        min_weight: rule.weights.iter().copied().fold(f64::INFINITY, f64::min),
-        max_weight: rule.weights.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        min_weight: weighted.weights.iter().copied().fold(f64::INFINITY, f64::min),
+        max_weight: weighted.weights.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         condition: rule.condition,
         n_effective: weighted.n_effective(),
         exact_degree: rule.exact_degree,
         iterations: rule.iterations,
-        weights: (!is_written).then_some(rule.weights),
+        weights: None,
     };
-    if global.json {
-        Document::new(&body, &provenance).print(&global.session)
-    } else if to_stdout {
-        Ok(())
-    } else {
-        let mut text = body.text();
-        if args.out.is_none() {
-            text += "\n-o FILE writes the points with their weights.\n";
-        }
-        global.session.print(&text)
-    }
+    Ok((body, weighted))
 }
 
 /// Returns an error for a file that could not be written, before the work starts.

@@ -28,13 +28,13 @@ pub(crate) struct Shard<S: ShardSums = SpectrumAccumulator> {
 }
 
 /// The sums of a spectrum, on the sphere or on the square.
-pub(crate) trait ShardSums: Serialize + DeserializeOwned {
+pub(crate) trait ShardSums: Clone + fmt::Debug + Serialize + DeserializeOwned {
     /// The rest of the first line of the files in this version of their format; a CRC-32 of the rest
     /// of the file follows, little-endian.
     const FORM: &'static [u8];
 
     /// The domain, as far as the sums do not determine it.
-    type Domain: Serialize + DeserializeOwned;
+    type Domain: Clone + fmt::Debug + Serialize + DeserializeOwned;
 
     /// Returns whether the sums are of this number of realizations, and of this ensemble.
     fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble<Self::Domain>) -> bool;
@@ -238,9 +238,9 @@ impl<S: ShardSums> Shard<S> {
         missing
     }
 
-    /// Returns whether the sums are consistent with the number of realizations; files of this
+    /// Returns whether the sums are consistent with the number of realizations; those of this
     /// program always are.
-    fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         let Self { ensemble, parts, sums } = self;
         if parts.is_empty() || !parts.iter().all(|part| part.is_valid()) {
             return false;

@@ -26,9 +26,18 @@ impl<'a, T: Serialize> Document<'a, T> {
         Self { body, provenance }
     }
 
+    /// Returns the document.
+    pub(crate) fn json(&self) -> Result<String, CliError> {
+        serde_json::to_string(self).map_err(CliError::failed)
+    }
+
     /// Prints the document to the output of the run.
     pub(crate) fn print(&self, session: &Session) -> Result<(), CliError> {
-        session.print(&(serde_json::to_string(self).map_err(CliError::failed)? + "\n"))
+        session.print(
+            &(self.json()?
+                + "
+"),
+        )
     }
 }
 

@@ -75,6 +75,41 @@ pub(crate) struct Remarks {
     pub(crate) pairs: Option<PairBody>,
 }
 
+impl SpectrumBody {
+    /// Returns the document of the spectrum of `name`.
+    pub(crate) fn new(name: &str, spectrum: &Spectrum, remarks: Remarks, seconds: f64) -> Self {
+        let rows = records(spectrum, remarks.has_no_error);
+        Self {
+            sampler: name.to_owned(),
+            domain: spectrum.domain().name(),
+            n: spectrum.n_points(),
+            lmax: spectrum.lmax(),
+            realizations: spectrum.realizations(),
+            weights: remarks.weights,
+            l: rows.iter().map(|r| r.l).collect(),
+            power: rows.iter().map(|r| r.power).collect(),
+            stderr: rows.iter().map(|r| r.stderr).collect(),
+            tail_even: spectrum.tail().even,
+            tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
+            pairs: remarks.pairs,
+            seconds,
+        }
+    }
+}
+
+/// Returns the rows of a spectrum, without errors if they are meaningless.
+fn records(spectrum: &Spectrum, has_no_error: bool) -> Vec<PowerRecord> {
+    let (n, realizations) = (spectrum.n_points(), spectrum.realizations());
+    let record = |(l, power, stderr)| PowerRecord {
+        l,
+        omega: l as f64 / (n as f64).sqrt(),
+        power,
+        stderr: if has_no_error { f64::NAN } else { stderr },
+        realizations,
+    };
+    spectrum.rows().map(record).collect()
+}
+
 /// Writes the spectrum of `name` to `out`, and prints it as JSON or as a table.
 pub(crate) fn emit(
     out: Option<&Path>,
@@ -85,31 +120,10 @@ pub(crate) fn emit(
     seconds: f64,
     provenance: &Provenance,
 ) -> Result<(), CliError> {
-    let (n, realizations) = (spectrum.n_points(), spectrum.realizations());
-    let record = |(l, power, stderr)| PowerRecord {
-        l,
-        omega: l as f64 / (n as f64).sqrt(),
-        power,
-        stderr: if remarks.has_no_error { f64::NAN } else { stderr },
-        realizations,
-    };
+    let n = spectrum.n_points();
+    let rows = records(spectrum, remarks.has_no_error);
     let weights = remarks.weights;
-    let rows: Vec<PowerRecord> = spectrum.rows().map(record).collect();
-    let body = SpectrumBody {
-        sampler: name.to_owned(),
-        domain: spectrum.domain().name(),
-        n,
-        lmax: spectrum.lmax(),
-        realizations,
-        weights,
-        l: rows.iter().map(|r| r.l).collect(),
-        power: rows.iter().map(|r| r.power).collect(),
-        stderr: rows.iter().map(|r| r.stderr).collect(),
-        tail_even: spectrum.tail().even,
-        tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
-        pairs: remarks.pairs,
-        seconds,
-    };
+    let body = SpectrumBody::new(name, spectrum, remarks, seconds);
     let (shown, all, what) = if let Some(pairs) = &body.pairs {
         let rows = pairs.rows();
         let forms = Forms {

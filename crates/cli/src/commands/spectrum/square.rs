@@ -13,7 +13,9 @@ use sphvar_spectrum::{
 };
 
 use super::square_report::{SquareResult, emit_square};
-use super::{REALIZATIONS, Remarks, SAVED_FILE, SpectrumArgs, check_outputs};
+use super::{
+    EstimatedSums, Origin, REALIZATIONS, Remarks, SAVED_FILE, SpectrumArgs, check_outputs,
+};
 use crate::error::CliError;
 use crate::files::{SavedEnsemble, Shard, SquareSums};
 use crate::flags::{ONE_DOMAIN, USE_KMAX};
@@ -21,7 +23,7 @@ use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::check_memory;
 use crate::patterns;
-use crate::point_sets::{FileSets, WeightSums};
+use crate::point_sets::{FileSets, WeightSums, WeightTotals};
 use crate::progress::Progress;
 use crate::report::Provenance;
 
@@ -59,7 +61,32 @@ impl Source {
     }
 }
 
+/// A spectrum on the square that was computed, with what is reported and saved beside it.
+pub(crate) struct SquareComputed {
+    /// The sampler with its parameters, or the files.
+    pub(crate) name: String,
+    pub(crate) result: SquareResult,
+    pub(crate) remarks: Remarks,
+    /// The sums of the realizations; `None` for a closed form.
+    pub(crate) sums: Option<EstimatedSums<SquareSums>>,
+    /// The time that the spectrum took.
+    pub(crate) seconds: f64,
+}
+
 pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
+    check_outputs(args, global)?;
+    let computed = compute(args, global)?;
+    if let (Some(path), Some(sums)) = (&args.save, computed.sums) {
+        sums.shard.write(path)?;
+    }
+    let SquareComputed { name, result, remarks, seconds, .. } = computed;
+    let provenance = Provenance::new(&global.session, global.seed);
+    let out = args.out.out.as_deref();
+    emit_square(out, global, &name, &result, &remarks, seconds, &provenance)
+}
+
+/// Computes the spectrum of points of the square that the arguments describe.
+pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<SquareComputed, CliError> {
     args.square.without(&[
         ("--hemisphere", args.sets.domain.hemisphere, ONE_DOMAIN),
         ("--lmax", args.lmax.lmax.is_some(), USE_KMAX),
@@ -68,7 +95,6 @@ pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         ("--coefficient", args.coefficient.is_some(), OF_SPHERE),
         ("--method", args.transform.checked()?.0 != Method::Auto, OF_SPHERE),
     ])?;
-    check_outputs(args, global)?;
     let source = Source::new(args, global)?;
     let (name, n_points) = source.facts();
     let kmax = args.kmax.kmax.unwrap_or_else(|| SquareResolution::natural_frequency(n_points));
@@ -80,17 +106,18 @@ pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     }
     let frequencies = Frequencies::new(kmax).map_err(CliError::failed)?;
     let started = Instant::now();
-    let (result, remarks) = match &source {
-        Source::Sampler { pattern, sampler } if args.exact => (
-            exact(pattern, &**sampler, &frequencies, global)?,
-            Remarks { weights: WeightSums::of_square_sampler(&**sampler), ..Remarks::default() },
-        ),
-        _ => sampled(args, global, &source, frequencies)?,
-    };
+    if let Source::Sampler { pattern, sampler } = &source
+        && args.exact
+    {
+        let result = exact(pattern, &**sampler, &frequencies, global)?;
+        let weights = WeightSums::of_square_sampler(&**sampler);
+        let remarks = Remarks { weights, ..Remarks::default() };
+        let seconds = started.elapsed().as_secs_f64();
+        return Ok(SquareComputed { name, result, remarks, sums: None, seconds });
+    }
+    let (result, sums) = sampled(args, global, &source, frequencies)?;
     let seconds = started.elapsed().as_secs_f64();
-    let provenance = Provenance::new(&global.session, global.seed);
-    let out = args.out.out.as_deref();
-    emit_square(out, global, &name, &result, &remarks, seconds, &provenance)
+    Ok(SquareComputed { name, result, remarks: sums.remarks(), sums: Some(sums), seconds })
 }
 
 /// Computes the spectrum in closed form.
@@ -113,13 +140,13 @@ fn exact(
     Ok(SquareResult::exact(spectrum))
 }
 
-/// Estimates the spectrum from sets, and saves the sums if requested.
+/// Estimates the spectrum from sets.
 fn sampled(
     args: &SpectrumArgs,
     global: &Global,
     source: &Source,
     frequencies: Frequencies,
-) -> Result<(SquareResult, Remarks), CliError> {
+) -> Result<(SquareResult, EstimatedSums<SquareSums>), CliError> {
     let (name, n_points) = source.facts();
     let kmax = frequencies.kmax();
     let (_, epsilon) = args.transform.checked()?;
@@ -169,32 +196,26 @@ fn sampled(
     drop(progress);
     let sums = SquareSums { spectrum, radial };
     let result = SquareResult::of_sums(&sums, !is_random)?;
-    if let Some(path) = &args.save {
-        let ensemble = SavedEnsemble {
-            sampler: name,
-            is_random,
-            domain: (),
-            lmax: kmax,
-            transform: format!("{epsilon:e}"),
-            seed: global.seed,
-            realizations: count,
-            version: Provenance::new(&global.session, global.seed).version.to_string(),
-            instruction_set: instruction_set(),
-        };
-        Shard { ensemble, parts: vec![args.share()], sums }.write(path)?;
-    }
-    let remarks = match source {
-        Source::Sampler { sampler, .. } => {
-            Remarks { weights: WeightSums::of_square_sampler(&**sampler), ..Remarks::default() }
-        }
-        // A single set in a file is of interest itself, not as a realization of an ensemble.
-        Source::Files(sets) => Remarks {
-            has_no_error: count == 1,
-            weights: WeightSums::of_sets(sets.sets().sets()),
-            pairs: None,
-        },
+    let ensemble = SavedEnsemble {
+        sampler: name,
+        is_random,
+        domain: (),
+        lmax: kmax,
+        transform: format!("{epsilon:e}"),
+        seed: global.seed,
+        realizations: count,
+        version: Provenance::new(&global.session, global.seed).version.to_string(),
+        instruction_set: instruction_set(),
     };
-    Ok((result, remarks))
+    let shard = Shard { ensemble, parts: vec![args.share()], sums };
+    let origin = match source {
+        Source::Sampler { pattern, sampler } => {
+            let is_file = matches!(pattern, SquarePattern::PointFile(_));
+            Origin::of_sampler(is_file, WeightSums::of_square_sampler(&**sampler))
+        }
+        Source::Files(sets) => Origin::Given(WeightTotals::of_sets(sets.sets().sets())),
+    };
+    Ok((result, EstimatedSums { shard, origin }))
 }
 
 /// Returns the error of `--exact` for a pattern without a closed-form spectrum.

@@ -39,6 +39,30 @@ impl SquareResult {
         let radial = RadialSpectrum::of(&spectrum).with_errors(&sums.radial)?;
         Ok(Self { spectrum, radial })
     }
+
+    /// Returns the power of every frequency, without errors if they are meaningless.
+    fn rows(&self, has_no_error: bool) -> Vec<FrequencyRecord> {
+        let realizations = self.spectrum.realizations();
+        let row = |(band, power, stderr)| {
+            let [k1, k2] = self.spectrum.bands().frequency(band);
+            let stderr = if has_no_error { f64::NAN } else { stderr };
+            FrequencyRecord { k1, k2, power, stderr, realizations }
+        };
+        self.spectrum.rows().map(row).collect()
+    }
+
+    /// Returns the means over rings, without errors if they are meaningless.
+    fn rings(&self, has_no_error: bool) -> Vec<Ring> {
+        let n = self.spectrum.n_points() as f64;
+        let ring = |(radius, power, stderr, anisotropy)| Ring {
+            radius,
+            omega: radius as f64 / n.sqrt(),
+            power,
+            stderr: if has_no_error { f64::NAN } else { stderr },
+            anisotropy,
+        };
+        self.radial.rows().map(ring).collect()
+    }
 }
 
 /// The mean power spectrum of a pattern of the unit square or of points in files: `spectrum --square
@@ -112,6 +136,35 @@ struct Ring {
     anisotropy: f64,
 }
 
+impl SquareSpectrumBody {
+    /// Returns the document of the spectrum of `name`.
+    pub(crate) fn new(name: &str, result: &SquareResult, remarks: &Remarks, seconds: f64) -> Self {
+        let (rows, rings) = (result.rows(remarks.has_no_error), result.rings(remarks.has_no_error));
+        let spectrum = &result.spectrum;
+        let tail = spectrum.tail();
+        Self {
+            sampler: name.to_owned(),
+            domain: "square",
+            n: spectrum.n_points(),
+            kmax: spectrum.bands().kmax(),
+            realizations: spectrum.realizations(),
+            weights: remarks.weights,
+            k1: rows.iter().map(|row| row.k1).collect(),
+            k2: rows.iter().map(|row| row.k2).collect(),
+            power: rows.iter().map(|row| row.power).collect(),
+            stderr: rows.iter().map(|row| row.stderr).collect(),
+            radius: rings.iter().map(|ring| ring.radius).collect(),
+            radial_power: rings.iter().map(|ring| ring.power).collect(),
+            radial_stderr: rings.iter().map(|ring| ring.stderr).collect(),
+            anisotropy: rings.iter().map(|ring| ring.anisotropy).collect(),
+            tail: tail.off,
+            tail_u: tail.u,
+            tail_v: tail.v,
+            seconds,
+        }
+    }
+}
+
 /// Writes the spectrum of `name` to `out`, and prints it as JSON or its radial mean as a table.
 pub(crate) fn emit_square(
     out: Option<&Path>,
@@ -122,47 +175,8 @@ pub(crate) fn emit_square(
     seconds: f64,
     provenance: &Provenance,
 ) -> Result<(), CliError> {
-    let SquareResult { spectrum, radial } = result;
-    let (n, realizations) = (spectrum.n_points(), spectrum.realizations());
-    let error = |stderr: f64| if remarks.has_no_error { f64::NAN } else { stderr };
-    let rows: Vec<FrequencyRecord> = spectrum
-        .rows()
-        .map(|(band, power, stderr)| {
-            let [k1, k2] = spectrum.bands().frequency(band);
-            FrequencyRecord { k1, k2, power, stderr: error(stderr), realizations }
-        })
-        .collect();
-    let rings: Vec<Ring> = radial
-        .rows()
-        .map(|(radius, power, stderr, anisotropy)| Ring {
-            radius,
-            omega: radius as f64 / (n as f64).sqrt(),
-            power,
-            stderr: error(stderr),
-            anisotropy,
-        })
-        .collect();
-    let tail = spectrum.tail();
-    let body = SquareSpectrumBody {
-        sampler: name.to_owned(),
-        domain: "square",
-        n,
-        kmax: spectrum.bands().kmax(),
-        realizations,
-        weights: remarks.weights,
-        k1: rows.iter().map(|row| row.k1).collect(),
-        k2: rows.iter().map(|row| row.k2).collect(),
-        power: rows.iter().map(|row| row.power).collect(),
-        stderr: rows.iter().map(|row| row.stderr).collect(),
-        radius: rings.iter().map(|ring| ring.radius).collect(),
-        radial_power: rings.iter().map(|ring| ring.power).collect(),
-        radial_stderr: rings.iter().map(|ring| ring.stderr).collect(),
-        anisotropy: rings.iter().map(|ring| ring.anisotropy).collect(),
-        tail: tail.off,
-        tail_u: tail.u,
-        tail_v: tail.v,
-        seconds,
-    };
+    let (rows, rings) = (result.rows(remarks.has_no_error), result.rings(remarks.has_no_error));
+    let body = SquareSpectrumBody::new(name, result, remarks, seconds);
     let picture = out.filter(|path| ImageFormat::of_path(path).is_some());
     if let Some(path) = picture {
         plot(name, result, remarks.has_no_error, provenance).render(path)?;
