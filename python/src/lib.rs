@@ -4,6 +4,8 @@
 mod arrays;
 mod command;
 mod errors;
+mod spectrum;
+mod transforms;
 mod work;
 
 use pyo3::prelude::*;
@@ -12,5 +14,7 @@ use pyo3::prelude::*;
 fn _sphvar(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     command::register(module)?;
+    spectrum::register(module)?;
+    transforms::register(module)?;
     work::register(module)
 }
