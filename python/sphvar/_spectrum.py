@@ -88,7 +88,7 @@ class _MergedSpectrum(Result):
     def merge(self: _S, other: _S) -> _S:
         """Return the spectrum of the realizations of both.
 
-        The sums of realizations are exact: any parts in any order give the same bits as one run.
+        The sums of realizations are exact: any parts in any order are bit-identical to one run.
         Parts of the realizations of a sampler are those of the keyword `shard` of
         `sphvar.spectrum`; spectra of given points are of other sets of the same number of points.
 
@@ -448,7 +448,7 @@ def spectrum(
 ) -> Spectrum | SquareSpectrum:
     """Return the mean angular power spectrum of a sampler or of points.
 
-    The result is that of ``sphvar spectrum`` with the same options, to the bit.
+    The result is bit-identical to that of ``sphvar spectrum`` with the same options.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 //! Times whole transforms, from the plan to the result, for `benches/peers/python_overhead.py`.
 //!
 //! Arguments: the number of points and the largest degree. For every line of standard input it
-//! prints the seconds of one transform: in turn the adjoint and the synthesis.
+//! prints the seconds of one transform, the adjoint and the synthesis alternately.
 
 use std::io::{BufRead, Write};
 use std::time::Instant;
