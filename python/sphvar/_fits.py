@@ -115,7 +115,7 @@ class QuadratureWeights(Result):
             return NotImplemented
         return super().__eq__(other) is True and np.array_equal(self._weights, other._weights)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
 
 class Fit(Result):
@@ -295,7 +295,7 @@ class Fit(Result):
             return NotImplemented
         return super().__eq__(other) is True and np.array_equal(self._alm, other._alm)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
 
 @checked

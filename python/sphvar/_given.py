@@ -19,7 +19,7 @@ PointsLike: TypeAlias = Union[Path, Sequence[Path], ArrayLike, tuple[ArrayLike, 
 
 
 def given_points(
-    points: PointsLike,
+    points: Any,
     inputs: Inputs,
     *,
     weights: ArrayLike | None = None,
@@ -32,7 +32,7 @@ def given_points(
     Parameters
     ----------
     points
-        An array, a tuple of points and weights, or paths.
+        An array, a tuple of points and weights, or paths: `PointsLike`.
     inputs
         The names that the call uses, and its session.
     weights, values, errors

@@ -207,7 +207,7 @@ class Spectrum(_MergedSpectrum):
         >>> float(sphvar.spectrum("fibonacci", 16, lmax=8).omega[-1])
         2.0
         """
-        return self.l / np.sqrt(self.n)
+        return np.asarray(self.l / np.sqrt(self.n), dtype=np.float64)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Plot the power against ``l / sqrt(n)``, with its standard error.
@@ -554,6 +554,7 @@ def spectrum(
     )
     with reporting(progress) as report:
         session = _sphvar.Session(report)
+        points: Any = source
         if isinstance(source, Sampler):
             # The call may have others.
             options["hemisphere"] = hemisphere or source.hemisphere
@@ -561,15 +562,15 @@ def spectrum(
             seed = source.seed if seed is None else seed
             if n is None and isinstance(source.spec, str):
                 options["n"] = source.n
-            source = source.spec
-        inputs = Inputs(session, [source, density], square)
-        if not isinstance(source, str):
-            files = given_points(source, inputs, weights=weights, square=square)
+            points = source.spec
+        inputs = Inputs(session, [points, density], square)
+        if not isinstance(points, str):
+            files = given_points(points, inputs, weights=weights, square=square)
             question = words("spectrum", [], options) + [f"--points={file}" for file in files]
         elif weights is None:
-            question = words("spectrum", [source], options)
+            question = words("spectrum", [points], options)
         else:
-            raise ValueError(f"weights: they are for points, not for the sampler {source}")
+            raise ValueError(f"weights: they are for points, not for the sampler {points}")
         if density is not None:
             question += words("", [], {"density": inputs.integrand(density)})[1:]
         question.append(f"--seed={0 if seed is None else operator.index(seed)}")

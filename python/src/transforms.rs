@@ -4,9 +4,7 @@ use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use numpy::{
-    Complex64, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods,
-};
+use numpy::{Complex64, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use rayon::prelude::*;
