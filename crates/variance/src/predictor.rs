@@ -212,18 +212,46 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
     ///
     /// Returns the errors of [`Self::predict`] that occur without a realization.
     pub fn work(&mut self, sampler: S::SamplerRef<'_>) -> Result<f64, Error> {
+        self.work_within(self.budget, sampler)
+    }
+
+    /// Returns [`Self::work`] for another budget.
+    pub(crate) fn work_within(
+        &mut self,
+        budget: PredictionBudget,
+        sampler: S::SamplerRef<'_>,
+    ) -> Result<f64, Error> {
+        let extent = self.extent(budget, sampler)?;
+        let max = self.max_realizations(budget, sampler, &extent);
+        Ok(self.work_to(budget, sampler, &extent, max))
+    }
+
+    /// Returns the nominal work of a prediction from a number of realizations, where it needs any.
+    pub(crate) fn work_of_realizations(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        realizations: u64,
+    ) -> Result<f64, Error> {
         let extent = self.extent(self.budget, sampler)?;
-        let transform = S::ticked_work(&self.options, S::n_points(sampler), &extent);
+        Ok(self.work_to(self.budget, sampler, &extent, realizations))
+    }
+
+    fn work_to(
+        &self,
+        budget: PredictionBudget,
+        sampler: S::SamplerRef<'_>,
+        extent: &S::Extent,
+        realizations: u64,
+    ) -> f64 {
+        let transform = S::ticked_work(&self.options, S::n_points(sampler), extent);
         let each = S::nominal_work(sampler) + transform;
-        Ok(match Route::of::<S>(&self.options, self.budget, sampler, &extent) {
+        match Route::of::<S>(&self.options, budget, sampler, extent) {
             Route::Flat => 0.0,
-            Route::Exact(exact) => S::exact_work(&exact, &extent),
+            Route::Exact(exact) => S::exact_work(&exact, extent),
             Route::All(sets) => transform * sets.len() as f64,
-            Route::Sampled if S::distribution(sampler).is_random() => {
-                each * self.max_realizations(self.budget, sampler, &extent) as f64
-            }
+            Route::Sampled if S::distribution(sampler).is_random() => each * realizations as f64,
             Route::Sampled => each,
-        })
+        }
     }
 
     /// Returns whether a prediction is within the work of the [`PredictionBudget`], whatever its

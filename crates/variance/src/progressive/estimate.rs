@@ -88,12 +88,6 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
         Self { sampler, group, counts: counts.to_vec(), variances, kind }
     }
 
-    /// Returns the nominal work of the prefixes of one realization.
-    pub(super) fn work_of_realization(&self) -> f64 {
-        let n_points = self.counts.last().copied().unwrap_or(0);
-        S::nominal_work(self.sampler).max(0.0) + self.variances.work(n_points)
-    }
-
     /// Returns the maximum nominal work of the predictions.
     pub(super) fn work(&self, predictor: &mut PredictorOn<'_, S>) -> Result<f64, Error> {
         let n_points = self.counts.last().copied().unwrap_or(0);
@@ -212,8 +206,8 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
         self.counts.iter().zip(&drawn.moments).map(point).collect()
     }
 
-    /// Returns the number of realizations at most.
-    fn max(&self) -> u64 {
+    /// Returns the maximum number of realizations.
+    pub(super) fn max(&self) -> u64 {
         match &self.kind {
             Kind::Fixed => 1,
             Kind::All(sets) => sets.len() as u64,

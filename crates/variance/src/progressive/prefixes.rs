@@ -7,8 +7,7 @@ use sphvar_samplers::Progress;
 use super::estimate::PrefixEstimate;
 use super::space::{PrefixVariances, ProgressiveSpace, is_homogeneous, is_void};
 use super::{ProgressiveCurve, ProgressivePoint};
-use crate::predictor::realization_work;
-use crate::{Error, Prediction, PredictorOn};
+use crate::{Error, Prediction, PredictionBudget, PredictorOn};
 
 /// The variances of prefixes of any sets of up to a number of points, once they have been prepared.
 pub(super) type KnownVariances<P> = Option<(usize, Arc<dyn PrefixVariances<P>>)>;
@@ -25,8 +24,8 @@ enum Route<'s, S: ProgressiveSpace> {
     Flat,
     /// All together, from sums over their points.
     Together(PrefixEstimate<'s, S>),
-    /// Each from its own spectrum.
-    Single,
+    /// Each from its own spectrum, within a budget.
+    Single(PredictionBudget),
 }
 
 impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
@@ -42,7 +41,7 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         let mut curve = match self.route(sampler, group, counts)? {
             Route::Flat => return Ok(self.flat(counts)),
             Route::Together(estimate) => estimate.curve(self.predictor, progress),
-            Route::Single => self.singly(sampler, group, counts, progress),
+            Route::Single(budget) => self.singly(sampler, (group, counts), budget, progress),
         }?;
         // A single rotated or shifted point is uniform.
         let options = self.predictor.options();
@@ -65,19 +64,33 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         match self.route(sampler, 0, counts)? {
             Route::Flat => Ok(0.0),
             Route::Together(estimate) => estimate.work(self.predictor),
-            Route::Single => {
-                let mut work = 0.0;
-                for &n_points in counts {
-                    work += S::with_prefix(sampler, n_points, 0, |prefix| {
-                        if is_void::<S>(prefix) { Ok(0.0) } else { self.predictor.work(prefix) }
-                    })?;
-                }
-                Ok(work)
+            Route::Single(budget) => {
+                self.sum(sampler, (0, counts), |predictor, prefix| {
+                    predictor.work_within(budget, prefix)
+                })
             }
         }
     }
 
-    /// Chooses how prefixes are predicted.
+    /// Returns the sum of the work of the prefixes that estimate something.
+    fn sum(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        (group, counts): (usize, &[usize]),
+        work: impl Fn(&mut PredictorOn<'_, S>, S::SamplerRef<'_>) -> Result<f64, Error>,
+    ) -> Result<f64, Error> {
+        let of_prefix = |&n_points: &usize| {
+            S::with_prefix(sampler, n_points, group, |prefix| {
+                if is_void::<S>(prefix) { Ok(0.0) } else { work(self.predictor, prefix) }
+            })
+        };
+        counts.iter().map(of_prefix).sum()
+    }
+
+    /// Chooses how prefixes are predicted: by the method that takes less work in total for the same
+    /// number of realizations. Single predictions stop when each is precise, but within a budget of
+    /// their own, so that those of many prefixes can take far more work than the sums for all; their
+    /// budgets are then reduced to the work of these.
     fn route<'s>(
         &mut self,
         sampler: S::SamplerRef<'s>,
@@ -90,21 +103,24 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         }
         let variances = self.variances(sampler, group, counts)?;
         let estimate = PrefixEstimate::new(self.predictor, sampler, group, counts, variances);
+        let (together, realizations) = (estimate.work(self.predictor)?, estimate.max());
         let mut of_spectra = 0.0;
-        for &n_points in counts {
-            if of_spectra >= estimate.work_of_realization() {
-                break;
+        for count in counts {
+            of_spectra +=
+                self.sum(sampler, (group, std::slice::from_ref(count)), |predictor, prefix| {
+                    predictor.work_of_realizations(prefix, realizations)
+                })?;
+            if of_spectra >= together {
+                return Ok(Route::Together(estimate));
             }
-            of_spectra += S::with_prefix(sampler, n_points, group, |prefix| {
-                if is_void::<S>(prefix) {
-                    return Ok(0.0);
-                }
-                let extent = self.predictor.extent(self.predictor.budget(), prefix)?;
-                Ok(realization_work::<S>(prefix, &extent))
-            })?;
         }
-        let is_less_work = estimate.work_of_realization() <= of_spectra;
-        Ok(if is_less_work { Route::Together(estimate) } else { Route::Single })
+        let budget = self.predictor.budget();
+        let singly = self.sum(sampler, (group, counts), |predictor, prefix| {
+            predictor.work_within(budget, prefix)
+        })?;
+        let is_reduced = is_left_open && singly > together;
+        let share = if is_reduced { together / singly } else { 1.0 };
+        Ok(Route::Single(PredictionBudget { work: share * budget.work, ..budget }))
     }
 
     /// Returns the sums over the points of sets up to the last count, which do not depend on the
@@ -142,8 +158,8 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
     fn singly(
         &mut self,
         sampler: S::SamplerRef<'_>,
-        group: usize,
-        counts: &[usize],
+        (group, counts): (usize, &[usize]),
+        budget: PredictionBudget,
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
         let mut realizations = 0;
@@ -152,7 +168,7 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
                 if is_void::<S>(prefix) {
                     return Ok(Prediction::UNKNOWN);
                 }
-                let point = self.predictor.predict(prefix, progress)?;
+                let point = self.predictor.predict_within(budget, prefix, progress)?;
                 realizations = realizations.max(point.spectrum.realizations());
                 Ok(point.prediction)
             })?;

@@ -77,6 +77,37 @@ fn work_is_announced_and_stops() {
     }
 }
 
+/// A list of prefixes takes no more work than all prefixes up to the last one, by whichever method.
+#[test]
+fn lists_take_no_more_work_than_all_prefixes() {
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let work = |name: &str, n: usize, counts: &[usize]| {
+        let budget = PredictionBudget::DEFAULT;
+        let predictor = Predictor::new(&cap, Domain::Sphere, 5, budget).unwrap();
+        let sampler = sequence(name, n, Domain::Sphere);
+        ProgressivePredictor::new(predictor).work(&sampler, counts, 0).unwrap()
+    };
+    let every = |n: usize, step: usize| (step..=n).step_by(step).collect::<Vec<_>>();
+    for name in ["sobol", "white-noise"] {
+        for n in [64, 1024, 2048] {
+            let all = work(name, n, &every(n, 1));
+            for step in [n / 64, n / 32, n / 4] {
+                let list = work(name, n, &every(n, step));
+                assert!(list <= all, "{name}, {n}, {step}: {list} of {all}");
+            }
+        }
+        // Single predictions of few prefixes keep their budgets.
+        let single = |n: usize| {
+            let budget = PredictionBudget::DEFAULT;
+            let mut predictor = Predictor::new(&cap, Domain::Sphere, 5, budget).unwrap();
+            predictor.work(&sequence(name, n, Domain::Sphere)).unwrap()
+        };
+        let (got, expected) =
+            (work(name, 50_000, &[5_000, 50_000]), single(5_000) + single(50_000));
+        assert!((got / expected - 1.0).abs() < 1e-9, "{name}: {got}, {expected}");
+    }
+}
+
 #[test]
 fn curves_do_not_depend_on_the_number_of_threads() {
     for curve in [curve, square_curve] {
