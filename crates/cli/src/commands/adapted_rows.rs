@@ -5,10 +5,10 @@ use sphvar_samplers::Share;
 use sphvar_variance::JointTrials;
 
 use super::cases::{AdaptedCase, DirectionCase};
-use super::rows::{Effort, Plan, Row};
+use super::rows::{Effort, Parts, Plan, Row};
 use crate::error::CliError;
 use crate::integrands::{Integral, strategies_of};
-use crate::patterns::DirectionSampler;
+use crate::patterns::{DirectionSampler, UNPREDICTED};
 use crate::progress::Progress;
 
 /// The densities of all cases, each distinct one once.
@@ -26,6 +26,10 @@ impl AdaptedDensities {
         });
         let mut distinct: Vec<&WarpExpression> = Vec::new();
         for pattern in adapted {
+            if plan.effort.parts == Parts::Predicted {
+                let message = format!("--predict-only does not apply to {pattern}: {UNPREDICTED}");
+                return Err(CliError::Usage(message));
+            }
             if plan.integrals.all().iter().any(Integral::is_irradiance) {
                 return Err(CliError::Usage(format!(
                     "--project does not apply to {pattern}; name a coefficient as \"f * ylm:l=2,m=1\""
@@ -80,6 +84,7 @@ impl AdaptedDensities {
                 white_variance: predictor.white_variance(*n_points),
                 n_effective: None,
                 largest: None,
+                is_unpredictable: true,
             });
         }
         Ok(rows)

@@ -3,7 +3,7 @@
 use clap::Args;
 use sphvar_variance::{Precision, PredictionBudget, SpectrumOptions, Trials};
 
-use super::rows::{Effort, Plan};
+use super::rows::{Effort, Parts, Plan};
 use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::flags::{
@@ -108,6 +108,7 @@ impl EffortArgs {
             until: self.until_rel.map(until),
             spectra: SpectrumOptions { lmax, realizations, method, epsilon },
             whole_spectra,
+            parts: Parts::default(),
             session: &global.session,
         })
     }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_variance::Comparison;
 
-use super::rows::Row;
+use super::rows::{Parts, Row};
 use crate::patterns::UNPREDICTED;
 use crate::report::{Column, number};
 
@@ -30,14 +30,16 @@ pub(crate) struct RowRecord {
     /// The number of points.
     n: usize,
     /// The largest degree of the spectrum; on the square and for warped patterns the largest
-    /// frequency, at most 256 if the spectrum is estimated.
+    /// frequency, at most 256 if the spectrum is estimated. 0 with `--measure-only`.
     lmax: usize,
-    /// Realizations from which the spectrum was estimated; 0 for a closed form.
+    /// Realizations from which the spectrum was estimated; 0 for a closed form and with
+    /// `--measure-only`.
     realizations: u64,
-    /// Trials from which the variance was measured.
+    /// Trials from which the variance was measured; 0 with `--predict-only`.
     trials: usize,
     /// The predicted variance of the integral, in squared units of the integral; of an irradiance,
-    /// the mean squared error integrated over all normals. Null for tessellations for a density.
+    /// the mean squared error integrated over all normals. Null for tessellations for a density and
+    /// with `--measure-only`.
     #[schemars(with = "Option<f64>")]
     predicted: f64,
     /// The standard error of `predicted`, due to those of the spectrum and of the energies.
@@ -46,7 +48,7 @@ pub(crate) struct RowRecord {
     /// The part of `predicted` beyond the largest degree or frequency of the spectrum.
     #[schemars(with = "Option<f64>")]
     predicted_tail: f64,
-    /// The measured variance of the integral.
+    /// The measured variance of the integral; null with `--predict-only`.
     #[schemars(with = "Option<f64>")]
     measured: f64,
     /// The standard error of `measured`.
@@ -92,8 +94,8 @@ pub(crate) struct RowRecord {
     bias_p: Option<f64>,
     /// The reason why numbers are missing.
     remark: Option<&'static str>,
-    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights and for
-    /// warped patterns, whose weights differ from trial to trial.
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights, for
+    /// warped patterns, whose weights differ from trial to trial, and with `--measure-only`.
     n_effective: Option<f64>,
     /// The largest known ratio of the integrand, weighted by the heuristic, and the density by which
     /// its points are distributed; this and the following are those of warped patterns only.
@@ -128,23 +130,27 @@ const CONFIDENCE: f64 = 0.95;
 impl RowRecord {
     pub(super) fn new(row: &Row) -> Self {
         let Comparison { prediction, measurement, .. } = &row.comparison;
+        let is_measured = !measurement.estimates().is_empty();
         let (ratio, ratio_stderr) = row.comparison.ratio();
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
-        let measured = row.comparison.measured_interval(CONFIDENCE);
+        let measured = row.comparison.measured_interval(CONFIDENCE).filter(|_| is_measured);
         let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
-        let bias = row.comparison.bias().filter(|_| !row.comparison.is_rounded_away());
+        let bias = row.comparison.bias();
+        let bias = bias.filter(|_| !row.comparison.is_rounded_away() && is_measured);
         let is_rounded_away = row.comparison.is_rounded_away();
         let missing = match row.comparison.has_too_few_hits() {
             true => Some(TOO_FEW),
             false => is_rounded_away.then_some(ROUNDED_AWAY),
         };
-        let remark = missing.or(prediction.is_unknown().then_some(UNPREDICTED));
+        let missing = missing.filter(|_| is_measured);
+        let remark = missing.or(row.is_unpredictable.then_some(UNPREDICTED));
         let of_trials = |x: f64| if is_rounded_away { f64::NAN } else { x };
         // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if missing.is_some() { f64::NAN } else { x };
         // An integral of 0 is known up to rounding.
         let error = prediction.variance.sqrt();
         let direction = row.largest.map(|largest| largest.direction);
+        let watched = row.largest.filter(|_| is_measured);
         let exact = row.comparison.exact.filter(|exact| exact.abs() > 1e-10 * error);
         Self {
             integral: row.integral.clone(),
@@ -169,7 +175,7 @@ impl RowRecord {
             ratio,
             ratio_stderr,
             z: of_trials(row.comparison.z_score()),
-            mean: measurement.mean(),
+            mean: if is_measured { measurement.mean() } else { f64::NAN },
             mean_stderr: known(measurement.mean_stderr()),
             exact: row.comparison.exact,
             predicted_tail_error: prediction.tail_error,
@@ -185,8 +191,8 @@ impl RowRecord {
             largest_ratio_phi: direction
                 .map(|d| d.y.atan2(d.x).rem_euclid(std::f64::consts::TAU).to_degrees()),
             largest_ratio_strategy: row.largest.map(|largest| largest.strategy + 1),
-            largest_ratio_trials: row.largest.map(|largest| largest.trials),
-            largest_ratio_expected: row.largest.map(|largest| largest.expected_trials),
+            largest_ratio_trials: watched.map(|largest| largest.trials),
+            largest_ratio_expected: watched.map(|largest| largest.expected_trials),
         }
     }
 
@@ -204,8 +210,8 @@ impl RowRecord {
         records.iter().filter_map(line).collect()
     }
 
-    /// Returns the columns of a table of these records.
-    pub(super) fn columns(records: &[Self]) -> Vec<Column<'static, Self>> {
+    /// Returns the columns of a table of these records, which have predictions, measurements or both.
+    pub(super) fn columns(records: &[Self], parts: Parts) -> Vec<Column<'static, Self>> {
         let mut columns = vec![
             Column::text("sampler", |r: &Self| r.label.clone()),
             Column::number("N requested", |r: &Self| r.n_requested.to_string()),
@@ -220,30 +226,44 @@ impl RowRecord {
             let effective = |r: &Self| number::optional(r.n_effective, number::value);
             columns.push(Column::number("N_eff", effective));
         }
-        columns.extend([
-            Column::number("predicted", |r: &Self| number::value(r.predicted)),
-            Column::number("+-", |r: &Self| {
-                number::uncertainty(r.predicted_stderr.hypot(r.predicted_tail_error))
-            }),
-            Column::number("measured", |r: &Self| number::value(r.measured)),
-            Column::number("+-", |r: &Self| number::uncertainty(r.measured_stderr)),
-            // A variance of 0 has no ratio.
-            Column::number("ratio", |r: &Self| number::with_uncertainty(r.ratio, r.ratio_stderr)),
-            Column::number("z", |r: &Self| number::score(r.z)),
-            Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
-        ]);
-        if records.iter().any(|r| r.largest_ratio.is_some()) {
+        if parts != Parts::Measured {
             columns.extend([
-                Column::number("max f/p", |r: &Self| {
-                    number::optional(r.largest_ratio, number::value)
+                Column::number("predicted", |r: &Self| number::value(r.predicted)),
+                Column::number("+-", |r: &Self| {
+                    number::uncertainty(r.predicted_stderr.hypot(r.predicted_tail_error))
                 }),
-                Column::number("trials near it (expected)", |r: &Self| {
+            ]);
+        }
+        if parts != Parts::Predicted {
+            columns.extend([
+                Column::number("measured", |r: &Self| number::value(r.measured)),
+                Column::number("+-", |r: &Self| number::uncertainty(r.measured_stderr)),
+            ]);
+        }
+        if parts == Parts::Both {
+            columns.extend([
+                // A variance of 0 has no ratio.
+                Column::number("ratio", |r: &Self| {
+                    number::with_uncertainty(r.ratio, r.ratio_stderr)
+                }),
+                Column::number("z", |r: &Self| number::score(r.z)),
+            ]);
+        }
+        if parts != Parts::Predicted {
+            let bias = |r: &Self| number::optional(r.bias_z, number::score);
+            columns.push(Column::number("bias z", bias));
+        }
+        if records.iter().any(|r| r.largest_ratio.is_some()) {
+            let ratio = |r: &Self| number::optional(r.largest_ratio, number::value);
+            columns.push(Column::number("max f/p", ratio));
+            if parts != Parts::Predicted {
+                columns.push(Column::number("trials near it (expected)", |r: &Self| {
                     let both = r.largest_ratio_trials.zip(r.largest_ratio_expected);
                     number::optional(both, |(trials, expected)| {
                         format!("{trials} ({})", number::count(expected))
                     })
-                }),
-            ]);
+                }));
+            }
         }
         if has_several {
             let relative = |r: &Self| number::optional(r.relative_error, number::percent);

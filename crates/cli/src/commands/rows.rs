@@ -5,7 +5,7 @@ use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::{Method, Resolution, Spectrum};
 use sphvar_variance::{
     Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
-    PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
+    Prediction, PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
     check_degree as check_settled, prediction_degree, settled_degree,
 };
 
@@ -43,7 +43,20 @@ pub(super) struct Effort<'a> {
     /// Whether spectra extend to 4 sqrt(N) even if the integrand needs less, because they are
     /// shown.
     pub(super) whole_spectra: bool,
+    pub(super) parts: Parts,
     pub(super) session: &'a Session,
+}
+
+/// What a run computes of every case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Parts {
+    /// Predicted and measured variances.
+    #[default]
+    Both,
+    /// Predictions without trials.
+    Predicted,
+    /// Trials without spectra.
+    Measured,
 }
 
 /// The results of one case for one integral.
@@ -73,26 +86,29 @@ pub(super) struct Row {
     pub(super) n_effective: Option<f64>,
     /// The largest ratio of integrand and density, of a warped pattern.
     pub(super) largest: Option<LargestSeen>,
+    /// Whether nothing predicts the variance of its sampler.
+    pub(super) is_unpredictable: bool,
 }
 
 impl Row {
     /// Returns whether the sampler samples a density: whether it is a warped pattern or has no
     /// prediction.
     pub(super) fn is_warped(&self) -> bool {
-        self.largest.is_some() || self.comparison.prediction.is_unknown()
+        self.largest.is_some() || self.is_unpredictable
     }
 }
 
 impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
-    /// Returns the results for the only integral.
+    /// Returns the results for the only integral; without a spectrum, if none was computed.
     pub(super) fn row(
         &self,
         integrand: String,
         predictor: &PredictorOn<'_, P::Space>,
-        spectrum: &Spectrum<BandsOf<P>>,
+        spectrum: Option<&Spectrum<BandsOf<P>>>,
         comparison: Comparison,
         is_shown: bool,
     ) -> Row {
+        let shown = spectrum.filter(|_| is_shown);
         Row {
             integrand,
             integral: None,
@@ -100,13 +116,14 @@ impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
             domain: predictor.space().to_string(),
             sampler: SamplerName::of(&self.pattern),
             requested: self.requested,
-            lmax: largest_radius(spectrum),
-            realizations: spectrum.realizations(),
-            power: if is_shown { <BandsOf<P>>::power_by_radius(spectrum) } else { Vec::new() },
+            lmax: spectrum.map_or(0, largest_radius),
+            realizations: spectrum.map_or(0, Spectrum::realizations),
+            power: shown.map_or_else(Vec::new, <BandsOf<P>>::power_by_radius),
             white_variance: predictor.white_variance(comparison.n_points),
-            n_effective: n_effective::<P>(self.sampler(), spectrum),
+            n_effective: spectrum.and_then(|s| n_effective::<P>(self.sampler(), s)),
             comparison,
             largest: None,
+            is_unpredictable: false,
         }
     }
 }
@@ -130,8 +147,16 @@ impl Effort<'_> {
         self.trials_or(|| Trials::default_of::<S>(sampler))
     }
 
-    /// Returns the user's number of trials or the default.
+    /// Returns whether variances are predicted.
+    pub(super) fn is_predicted(&self) -> bool {
+        self.parts != Parts::Measured
+    }
+
+    /// Returns the user's number of trials or the default; none if variances are only predicted.
     pub(super) fn trials_or(&self, default: impl FnOnce() -> Trials) -> Trials {
+        if self.parts == Parts::Predicted {
+            return Trials::new(0);
+        }
         let count = self.trials.unwrap_or_else(|| default().count);
         let max_trials = self.until.map_or(u64::MAX, |precision| precision.max_trials);
         Trials { count: count.min(max_trials), until: self.until }
@@ -193,7 +218,9 @@ pub(super) fn run(
         work += match case {
             DirectionCase::Uniform(case) => {
                 let sampler = case.sampler();
-                joint.work(sampler)? + plan.effort.trials_of::<Domain>(sampler).work(sampler)
+                let predicted =
+                    if plan.effort.is_predicted() { joint.work(sampler)? } else { 0.0 };
+                predicted + plan.effort.trials_of::<Domain>(sampler).work(sampler)
             }
             DirectionCase::Warped(case) => warped.work(case, &plan.effort)?,
             DirectionCase::Adapted(case) => adapted.work(case, &plan.effort),
@@ -309,15 +336,24 @@ impl Plan<'_> {
         case: &Case,
         progress: &Progress,
     ) -> Result<Vec<Row>, CliError> {
-        let predicted = self.predict(joint, case, progress)?;
+        let predicted: Vec<Option<PredictedPoint>> = if self.effort.is_predicted() {
+            self.predict(joint, case, progress)?.into_iter().map(Some).collect()
+        } else {
+            vec![None; joint.predictors().count()]
+        };
         let trials = self.effort.trials_of::<Domain>(case.sampler());
-        let predictions: Vec<_> = predicted.iter().map(|point| point.prediction).collect();
+        let prediction = |point: &PredictedPoint| point.prediction;
+        let predictions: Vec<_> = predicted
+            .iter()
+            .map(|point| point.as_ref().map_or(Prediction::UNKNOWN, prediction))
+            .collect();
         let comparisons = joint.measure(&predictions, case.sampler(), trials, progress)?;
         let results = predicted.iter().zip(comparisons).zip(joint.predictors());
         let mut rows = Vec::new();
         for (integral, ((point, comparison), predictor)) in self.integrals.in_rows().zip(results) {
             let is_shown = self.effort.whole_spectra && integral.is_main;
-            let row = case.row(integral.name, predictor, &point.spectrum, comparison, is_shown);
+            let spectrum = point.as_ref().map(|point| &point.spectrum);
+            let row = case.row(integral.name, predictor, spectrum, comparison, is_shown);
             rows.push(Row { integral: integral.label, is_main: integral.is_main, ..row });
         }
         Ok(rows)

@@ -3,7 +3,7 @@
 use sphvar_samplers::{Share, Square, SquarePattern};
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::SquareResolution;
-use sphvar_variance::{PredictionBudget, SquarePredictor};
+use sphvar_variance::{PredictedPoint, Prediction, PredictionBudget, SquarePredictor};
 
 use super::cases::Case;
 use super::effort::EffortArgs;
@@ -67,26 +67,46 @@ pub(super) fn run(
     let mut work = 0.0;
     for case in cases {
         let trials = effort.trials_of::<Square>(case.sampler());
-        work += predictor.work(case.sampler())? + trials.work_of::<Square>(case.sampler());
+        work += trials.work_of::<Square>(case.sampler());
+        if effort.is_predicted() {
+            work += predictor.work(case.sampler())?;
+        }
     }
     let progress = Progress::new(work, &effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
-        let share = Share::new(&progress, predictor.work(case.sampler())?);
-        let mut point = predictor.predict(case.sampler(), &share)?;
-        share.finish().map_err(CliError::failed)?;
-        if effort.whole_spectra && effort.spectra.lmax.is_none() {
-            let natural = SquareResolution::natural_frequency(case.n_points()).min(MAX_SHOWN);
-            if point.spectrum.bands().kmax() < natural {
-                let shown = Frequencies::new(natural).map_err(CliError::failed)?;
-                point.spectrum = predictor.spectrum_to(case.sampler(), &point, &shown)?;
-            }
-        }
+        let point = if effort.is_predicted() {
+            Some(predict(&mut predictor, effort, case, &progress)?)
+        } else {
+            None
+        };
+        let prediction = point.as_ref().map_or(Prediction::UNKNOWN, |point| point.prediction);
         let trials = effort.trials_of::<Square>(case.sampler());
-        let comparison = predictor.measure(point.prediction, case.sampler(), trials, &progress)?;
+        let comparison = predictor.measure(prediction, case.sampler(), trials, &progress)?;
         let (name, is_shown) = (integrand.name.clone(), effort.whole_spectra);
-        rows.push(case.row(name, &predictor, &point.spectrum, comparison, is_shown));
+        let spectrum = point.as_ref().map(|point| &point.spectrum);
+        rows.push(case.row(name, &predictor, spectrum, comparison, is_shown));
     }
     Ok((rows, ShownEnergy::new(predictor.energy())))
+}
+
+/// Returns the prediction for a case, with the spectrum as far as it is shown.
+fn predict(
+    predictor: &mut SquarePredictor<'_>,
+    effort: &Effort<'_>,
+    case: &Case<SquarePattern>,
+    progress: &Progress,
+) -> Result<PredictedPoint<Frequencies>, CliError> {
+    let share = Share::new(progress, predictor.work(case.sampler())?);
+    let mut point = predictor.predict(case.sampler(), &share)?;
+    share.finish().map_err(CliError::failed)?;
+    if effort.whole_spectra && effort.spectra.lmax.is_none() {
+        let natural = SquareResolution::natural_frequency(case.n_points()).min(MAX_SHOWN);
+        if point.spectrum.bands().kmax() < natural {
+            let shown = Frequencies::new(natural).map_err(CliError::failed)?;
+            point.spectrum = predictor.spectrum_to(case.sampler(), &point, &shown)?;
+        }
+    }
+    Ok(point)
 }

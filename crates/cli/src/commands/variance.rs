@@ -11,7 +11,7 @@ use super::effort::EffortArgs;
 use super::fixed_orientation::{self, FixedOrientationRecord};
 use super::over_rotations::{self, OverRotationsBody, OverRotationsRecord};
 use super::row_record::RowRecord;
-use super::rows::{self, Plan, Row};
+use super::rows::{self, Parts, Plan, Row};
 use super::square_rows;
 use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
@@ -30,6 +30,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
   sphvar variance --samplers all -n 1k --nearest --integrand vmf:kappa=20 -m 100
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
+  sphvar variance fibonacci,healpix -n 48,768 --integrand vmf:kappa=20 --predict-only
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
   sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
   sphvar variance fibonacci -n 30 --integrand vmf:kappa=4 -m 4096 --rotations super-fibonacci
@@ -48,6 +49,8 @@ env:FILE,channel=rgb has a row for red, green, blue and luminance, all estimated
 has a row for each of the 9 coefficients of a light probe, the integrals of the integrand times the real harmonics to \
 degree 2, and one for the irradiance over all normals that they give: its mean squared error integrated over normals, \
 and relative error with respect to its root mean square. It does not include the truncation error, from leaving out higher degrees.
+
+--predict-only omits the trials and --measure-only the spectra; in files and --json the other numbers are null then.
 
 --no-rotate gives the errors in the orientation that a pattern has. For a set that is always the same these are \
 its signed error and the distribution of errors over uniformly random orientations; for a random pattern, the mean \
@@ -98,8 +101,25 @@ pub(crate) struct VarianceArgs {
     /// Rotate the realizations by sets of a pattern of rotations, such as super-fibonacci, instead of independently
     #[arg(long, value_name = "ROTATIONS", conflicts_with_all = ["visible_half", "until_rel", "no_rotate"])]
     pub(crate) rotations: Option<String>,
+    /// Predict variances without trials
+    #[arg(long, conflicts_with_all = ["measure_only", "realizations", "until_rel", "max_realizations", "visible_half", "no_rotate", "rotations"])]
+    pub(crate) predict_only: bool,
+    /// Measure variances without spectra
+    #[arg(long, conflicts_with_all = ["spectrum_realizations", "lmax", "kmax", "method", "epsilon", "visible_half", "no_rotate", "rotations"])]
+    pub(crate) measure_only: bool,
     #[command(flatten)]
     pub(crate) out: OutArgs,
+}
+
+impl VarianceArgs {
+    /// Returns what is computed.
+    fn parts(&self) -> Parts {
+        match (self.predict_only, self.measure_only) {
+            (true, _) => Parts::Predicted,
+            (_, true) => Parts::Measured,
+            _ => Parts::Both,
+        }
+    }
 }
 
 /// Predicted and measured variances: `variance --json`.
@@ -138,7 +158,8 @@ fn run_integrals(
     let domain = args.effort.domain.domain();
     let samplers = parse_samplers(&args.samplers.required()?, &global.session)?;
     let cases = DirectionCase::all(&samplers, args.counts.list(), domain, args.nearest.nearest)?;
-    let plan = args.effort.plan(integrals, global, false)?;
+    let mut plan = args.effort.plan(integrals, global, false)?;
+    plan.effort.parts = args.parts();
     if args.no_rotate {
         let option = "--no-rotate";
         integrals.only(option)?;
@@ -179,7 +200,8 @@ fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
         ("--no-rotate", args.no_rotate, SHIFTED),
         ("--rotations", args.rotations.is_some(), SHIFTED),
     ];
-    let effort = square_rows::settings(&args.effort, args.project, &other, global, false)?;
+    let mut effort = square_rows::settings(&args.effort, args.project, &other, global, false)?;
+    effort.parts = args.parts();
     let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
     let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, args.nearest.nearest)?;
@@ -201,7 +223,7 @@ fn write(
     let forms = Forms {
         csv: &|| csv_of_present(&provenance, &body.rows),
         chart: Some(&chart),
-        text: &|| text(&body),
+        text: &|| text(&body, args.parts()),
     };
     emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
 }
@@ -238,8 +260,8 @@ fn run_over_rotations(
     emit(args.out.out.as_deref(), global, &provenance, body, &forms)
 }
 
-fn text(body: &VarianceBody) -> String {
-    let mut text = table_of(&RowRecord::columns(&body.rows), &body.rows);
+fn text(body: &VarianceBody, parts: Parts) -> String {
+    let mut text = table_of(&RowRecord::columns(&body.rows, parts), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     if let Some(halves) = &body.visible_half {
         text.push('\n');

@@ -2,7 +2,7 @@
 
 use sphvar_integrands::{Heuristic, PulledBack, WarpExpression};
 use sphvar_samplers::{Domain, Share};
-use sphvar_variance::{PredictionBudget, WarpedPattern, WarpedPredictor};
+use sphvar_variance::{Prediction, PredictionBudget, WarpedPattern, WarpedPredictor};
 
 use super::cases::WarpedCase;
 use super::power_chart::largest_radius;
@@ -114,7 +114,14 @@ impl<'a> WarpedPredictors<'a> {
     pub(super) fn work(&mut self, case: &WarpedCase, effort: &Effort<'_>) -> Result<f64, CliError> {
         let WarpedCase { pattern, n_points, .. } = case;
         let of_trials = case.trials(effort).count as f64 * pattern.trial_work(*n_points);
-        self.of(case).map(|predictor| Ok(predictor.work(pattern, *n_points)? + of_trials)).sum()
+        let is_predicted = effort.is_predicted();
+        self.of(case)
+            .map(|predictor| {
+                let predicted =
+                    if is_predicted { predictor.work(pattern, *n_points)? } else { 0.0 };
+                Ok(predicted + of_trials)
+            })
+            .sum()
     }
 
     /// Returns the rows of a case, one for each integral, all from the same directions; `white` are
@@ -131,12 +138,18 @@ impl<'a> WarpedPredictors<'a> {
         let mut rows = Vec::new();
         for ((integral, white), predictor) in plan.integrals.in_rows().zip(white).zip(self.of(case))
         {
-            let share = Share::new(progress, predictor.work(pattern, *n_points)?);
-            let point = predictor.predict(pattern, *n_points, &share)?;
-            share.finish().map_err(CliError::failed)?;
-            let prediction = &point.prediction;
-            let measured = predictor.measure(prediction, pattern, *n_points, trials, progress)?;
-            let spectra = || point.strategies.iter().map(|strategy| &strategy.spectrum);
+            let point = if plan.effort.is_predicted() {
+                let share = Share::new(progress, predictor.work(pattern, *n_points)?);
+                let point = predictor.predict(pattern, *n_points, &share)?;
+                share.finish().map_err(CliError::failed)?;
+                Some(point)
+            } else {
+                None
+            };
+            let prediction = point.as_ref().map_or(Prediction::UNKNOWN, |point| point.prediction);
+            let measured = predictor.measure(&prediction, pattern, *n_points, trials, progress)?;
+            let strategies = || point.iter().flat_map(|point| &point.strategies);
+            let spectra = || strategies().map(|strategy| &strategy.spectrum);
             rows.push(Row {
                 integrand: integral.name,
                 integral: integral.label,
@@ -151,6 +164,7 @@ impl<'a> WarpedPredictors<'a> {
                 white_variance: *white,
                 n_effective: None,
                 largest: Some(measured.largest),
+                is_unpredictable: false,
             });
         }
         Ok(rows)

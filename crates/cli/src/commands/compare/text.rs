@@ -3,12 +3,13 @@
 use super::record::{ComparisonBody, SamplerRecord};
 use crate::commands::crossovers::CrossoverRecord;
 use crate::commands::row_record::RowRecord;
+use crate::commands::rows::Parts;
 use crate::report::{number, table_of};
 
 /// Returns the tables, their explanation, and the sampler with the largest variance reduction.
 pub(super) fn text(body: &ComparisonBody, subject: &str) -> String {
     let mut text = format!("Variance of {subject}\n\n");
-    text += &table_of(&RowRecord::columns(&body.rows), &body.rows);
+    text += &table_of(&RowRecord::columns(&body.rows, Parts::Both), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     // Without a score there is no verdict.
     let scores: Vec<f64> = body.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
