@@ -4,8 +4,8 @@ use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::{Method, Resolution, Spectrum};
 use sphvar_variance::{
-    Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
-    Prediction, PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
+    Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint, Prediction,
+    PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
     check_degree as check_settled, prediction_degree, settled_degree,
 };
 
@@ -218,8 +218,7 @@ pub(super) fn run(
         work += match case {
             DirectionCase::Uniform(case) => {
                 let sampler = case.sampler();
-                let predicted =
-                    if plan.effort.is_predicted() { joint.work(sampler)? } else { 0.0 };
+                let predicted = if plan.effort.is_predicted() { joint.work(sampler)? } else { 0.0 };
                 predicted + plan.effort.trials_of::<Domain>(sampler).work(sampler)
             }
             DirectionCase::Warped(case) => warped.work(case, &plan.effort)?,

@@ -30,6 +30,7 @@ mod numbers;
 mod outcome;
 mod own_points;
 mod pairs;
+mod parts_of_variances;
 mod pipes;
 mod precision;
 mod progressive;

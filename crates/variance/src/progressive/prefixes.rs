@@ -64,11 +64,9 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         match self.route(sampler, 0, counts)? {
             Route::Flat => Ok(0.0),
             Route::Together(estimate) => estimate.work(self.predictor),
-            Route::Single(budget) => {
-                self.sum(sampler, (0, counts), |predictor, prefix| {
-                    predictor.work_within(budget, prefix)
-                })
-            }
+            Route::Single(budget) => self.sum(sampler, (0, counts), |predictor, prefix| {
+                predictor.work_within(budget, prefix)
+            }),
         }
     }
 

@@ -1,0 +1,192 @@
+"""A call as a question to the command: keywords become its words, and its document comes back."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+import json
+import operator
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, ParamSpec, Protocol, TypeVar
+
+import numpy as np
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+_PACKAGE = os.path.dirname(os.path.abspath(__file__))
+
+# The keywords of options that the command names otherwise.
+_NAMES = {"n": "count"}
+
+
+class SphvarWarning(UserWarning):
+    """A warning of the command, for example of a file that is not what its name promises."""
+
+
+class AnsweringSession(Protocol):
+    """What answers questions: the native session, or another with the same methods."""
+
+    def answer(self, words: list[str]) -> str:
+        """Return the JSON document that the command prints for ``words``."""
+
+    def remarks(self) -> list[str]:
+        """Return the messages of all answers."""
+
+
+def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let a function name the close ones for a keyword that it does not have.
+
+    Parameters
+    ----------
+    function
+        A function without ``**kwargs``.
+
+    Returns
+    -------
+    callable
+        The same function; unknown keywords are a ``TypeError`` before anything runs.
+    """
+    known = list(inspect.signature(function).parameters)
+    names = frozenset(known)
+
+    @functools.wraps(function)
+    def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        if not names.issuperset(kwargs):
+            unknown = next(name for name in kwargs if name not in names)
+            raise TypeError(_unknown_keyword(function.__name__, unknown, known))
+        return function(*args, **kwargs)
+
+    return call
+
+
+def _unknown_keyword(function: str, unknown: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(unknown, known, n=3)
+    close += [name for name in known if name not in close and name in unknown.split("_")]
+    advice = f"did you mean {' or '.join(close)}?" if close else f"there are {', '.join(known)}"
+    return f"{function}() has no keyword {unknown!r}: {advice}"
+
+
+def words(command: str, positional: Iterable[str], options: Mapping[str, Any]) -> list[str]:
+    """Return the words of the command line for a question.
+
+    Parameters
+    ----------
+    command
+        The subcommand.
+    positional
+        Its arguments.
+    options
+        Values by keyword: ``True`` is a flag, ``None`` and ``False`` omit the option, lists and
+        ranges are joined by commas, and numbers keep all their digits.
+
+    Returns
+    -------
+    list of str
+        The words after the name of the command.
+    """
+    arguments = [command]
+    for text in positional:
+        if text.startswith("-"):
+            raise ValueError(f"expected a name, got {text!r}")
+        arguments.append(text)
+    for keyword, value in options.items():
+        name = "--" + _NAMES.get(keyword, keyword).replace("_", "-")
+        if value is None or value is False or value is np.False_:
+            continue
+        if value is True or value is np.True_:
+            arguments.append(name)
+        else:
+            arguments.append(f"{name}={_text(keyword, value)}")
+    return arguments
+
+
+def _text(keyword: str, value: Any) -> str:
+    """Return a value as the command reads it."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, (bool, np.bool_)):
+        try:
+            return str(operator.index(value))
+        except TypeError:
+            pass
+        if isinstance(value, (float, np.floating)):
+            return _decimal(float(value))
+        if isinstance(value, np.ndarray) and value.ndim == 1:
+            return ",".join(_text(keyword, item) for item in value.tolist())
+        if isinstance(value, (Sequence, frozenset, set)) and not isinstance(value, (bytes, bytearray)):
+            return ",".join(_text(keyword, item) for item in value)
+    raise TypeError(
+        f"{keyword}: expected a number, a text or a list of them, got {type(value).__name__}"
+    )
+
+
+def _decimal(value: float) -> str:
+    """Return a number with all its digits; a whole one without a fraction, for counts."""
+    if value.is_integer() and abs(value) < 2.0**53:
+        return str(int(value)) if value or str(value)[0] != "-" else "-0.0"
+    return repr(value)
+
+
+def ask(
+    command: str,
+    positional: Iterable[str],
+    options: Mapping[str, Any],
+    session: AnsweringSession,
+) -> dict[str, Any]:
+    """Return the document of the command for a question.
+
+    Parameters
+    ----------
+    command
+        The subcommand.
+    positional
+        Its arguments.
+    options
+        Values by keyword, as in :func:`words`.
+    session
+        What answers it.
+
+    Returns
+    -------
+    dict
+        The document of ``--json``, with the same bits of numbers.
+
+    Raises
+    ------
+    ValueError, OSError, MemoryError, RuntimeError
+        In the words of the command.
+
+    Warns
+    -----
+    SphvarWarning
+        For warnings of the command.
+    """
+    document: dict[str, Any] = json.loads(answer(command, positional, options, session))
+    return document
+
+
+def answer(
+    command: str,
+    positional: Iterable[str],
+    options: Mapping[str, Any],
+    session: AnsweringSession,
+) -> str:
+    """Return the document of :func:`ask` as JSON."""
+    text = session.answer(words(command, positional, options))
+    for remark in session.remarks():
+        if remark.startswith("warning: "):
+            warn(remark.removeprefix("warning: "))
+    return text
+
+
+def warn(message: str) -> None:
+    """Warn at the line of the caller of the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _PACKAGE:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, SphvarWarning, stacklevel=level)

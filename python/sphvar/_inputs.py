@@ -1,0 +1,204 @@
+"""Samplers and integrands of a call: texts as they are, arrays under names of their own."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _sphvar
+from ._functions import IntegrandLike, add_integrand
+from ._sampler import Sampler
+
+#: A sampler: a text such as ``"fibonacci"``, a `Sampler`, points of shape (n, 3) or sets of them of
+#: shape (m, n, 3), or a tuple of points and weights of shape (n,) or (m, n).
+SamplerLike: TypeAlias = Union[str, Sampler, ArrayLike, tuple[ArrayLike, ArrayLike]]
+
+#: One or several samplers: a list of them, a text with commas, or a dictionary of them by labels,
+#: which stand for the samplers in results.
+SamplersLike: TypeAlias = Union[SamplerLike, Sequence[SamplerLike], Mapping[str, SamplerLike]]
+
+_WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+class Inputs:
+    """The arrays of a call, in the session that answers it.
+
+    Parameters
+    ----------
+    session
+        The session to which arrays are added.
+    values
+        All values of the call that may contain texts. Names of arrays occur in none of them, so that
+        no array hides a file.
+    square
+        Whether points are those of the unit square.
+    """
+
+    def __init__(self, session: _sphvar.Session, values: Iterable[Any], square: bool = False):
+        self.session = session
+        self._texts = list(_texts_of(values))
+        self._names: set[str] = set()
+        self._square = square
+        self._labels: dict[str, str] = {}
+        #: The labels of a dictionary in their order, and those of samplers by their texts.
+        self._order: list[str] = []
+        self._specs: dict[str, str] = {}
+        self._counts: list[int] = []
+
+    def samplers(self, value: SamplersLike | None) -> list[str]:
+        """Return the texts of samplers."""
+        if value is None:
+            return []
+        if isinstance(value, Mapping):
+            if not value:
+                raise ValueError("samplers: the dictionary is empty")
+            texts = [self._sampler(one, str(label)) for label, one in value.items()]
+            self._order = [str(label) for label in value]
+            return texts
+        ones = _several(value)
+        if ones is None:
+            return [self._sampler(value, None)]
+        if not ones:
+            raise ValueError("samplers: the list is empty")
+        return [self._sampler(one, None) for one in ones]
+
+    def others(self, value: SamplersLike) -> list[str]:
+        """Return the texts of samplers of another option, whose rows have no labels of their own."""
+        ones = list(value.values()) if isinstance(value, Mapping) else _several(value)
+        return [self._sampler(one, None) for one in ([value] if ones is None else ones)]
+
+    def integrand(self, value: IntegrandLike) -> str:
+        """Return the text of an integrand."""
+        if isinstance(value, str):
+            return value
+        return add_integrand(self.session, value, self.name)
+
+    def count(self, n: Any) -> Any:
+        """Return the numbers of points: those of the call, otherwise those of its `Sampler` objects."""
+        if n is not None or not self._counts:
+            return n
+        return sorted(set(self._counts))
+
+    def name(self, wanted: str) -> str:
+        """Return a name that occurs in no text of the call: the wanted one, if it is a free word."""
+        base = wanted if _WORD.fullmatch(wanted) else "array"
+        name, number = base, 1
+        while name in self._names or any(name in text for text in self._texts):
+            number += 1
+            name = f"{base}-{number}"
+        self._names.add(name)
+        return name
+
+    def relabelled(self, answer: str) -> dict[str, Any]:
+        """Return an answer as a document in which labels stand for samplers."""
+        for text, label in sorted(self._labels.items(), key=lambda pair: -len(pair[0])):
+            own = json.dumps(label, ensure_ascii=False)[1:-1]
+            answer = re.sub(re.escape(text) + r"(?![A-Za-z0-9_-])", lambda _: own, answer)
+        document: dict[str, Any] = json.loads(answer)
+        rows = document.get("rows", [])
+        found = list(dict.fromkeys(row["sampler"] for row in rows if "sampler" in row))
+        is_ranked = bool(rows) and "rank" in rows[0]
+        if not is_ranked and len(found) == len(self._order):
+            # Rows are in the order of the samplers, whose texts may be shorter than those of rows.
+            _rename(document, dict(zip(found, self._order)))
+        else:
+            _rename(document, self._specs)
+        return document
+
+    def _sampler(self, value: Any, label: str | None) -> str:
+        if isinstance(value, Sampler):
+            if value.n is not None:
+                self._counts.append(value.n)
+            value = value.spec
+        if isinstance(value, str):
+            if label is not None:
+                self._specs[value] = label
+            return value
+        points, weights = _points(value, self._square)
+        name = self.name(label if label is not None else "points")
+        if self._square:
+            self.session.add_square_points(name, points, weights)
+        else:
+            self.session.add_points(name, points, weights)
+        text = f"file:{name}"
+        self._labels[text] = label if label is not None else name
+        return text
+
+
+def _rename(value: Any, labels: Mapping[str, str]) -> None:
+    """Replace the names of samplers in a document, in place."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if isinstance(item, str):
+                # Labels may be samplers of other labels, so each text is replaced once.
+                value[key] = labels.get(item, item)
+            else:
+                _rename(item, labels)
+    elif isinstance(value, list):
+        for item in value:
+            _rename(item, labels)
+
+
+def _several(value: Any) -> list[Any] | None:
+    """Return the samplers of a list or tuple; ``None`` for one sampler."""
+    if isinstance(value, (str, Sampler, np.ndarray)) or not isinstance(value, (list, tuple)):
+        return None
+    if isinstance(value, tuple) and _is_weighted(value):
+        return None
+    is_sampler = [
+        isinstance(one, (str, Sampler, tuple)) or np.ndim(one) >= 2 for one in value
+    ]
+    return list(value) if all(is_sampler) else None
+
+
+def _is_weighted(value: tuple[Any, ...]) -> bool:
+    """Return whether a tuple is one of points and weights: the second has one number per point."""
+    if len(value) != 2 or any(isinstance(part, (str, Sampler, Mapping)) for part in value):
+        return False
+    shape = np.shape(value[0])
+    return len(shape) >= 2 and np.ndim(value[1]) < len(shape)
+
+
+def _points(value: Any, square: bool) -> tuple[NDArray[Any], NDArray[Any] | None]:
+    """Return points of the right shape, and their weights."""
+    weights: NDArray[Any] | None = None
+    if isinstance(value, tuple) and _is_weighted(value):
+        value, weights = np.asarray(value[0]), np.asarray(value[1])
+    try:
+        points = np.asarray(value)
+    except ValueError as error:
+        raise ValueError(f"points: expected an array, a text or a Sampler: {error}") from None
+    if points.dtype.kind not in "fiu":
+        raise TypeError(
+            f"a sampler is a text, a Sampler or an array of points, "
+            f"got {type(value).__name__} of dtype {points.dtype}"
+        )
+    size = 2 if square else 3
+    if points.ndim not in (2, 3) or points.shape[-1] != size:
+        advice = "" if square or points.shape[-1:] != (2,) else "; square=True takes points of the square"
+        raise ValueError(
+            f"points: expected shape (n, {size}) or (m, n, {size}), got {points.shape}{advice}"
+        )
+    if weights is not None and weights.shape != points.shape[:-1]:
+        raise ValueError(
+            f"weights: expected shape {points.shape[:-1]}, one per point, got {weights.shape}"
+        )
+    return points, weights
+
+
+def _texts_of(values: Iterable[Any]) -> Iterable[str]:
+    """Yield all texts in values, lists and dictionaries of them."""
+    for value in values:
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, Sampler):
+            yield value.spec
+        elif isinstance(value, Mapping):
+            yield from _texts_of(value.values())
+        elif isinstance(value, (list, tuple)):
+            yield from _texts_of(value)
