@@ -166,8 +166,7 @@ def ask(
     SphvarWarning
         For warnings of the command.
     """
-    document: dict[str, Any] = json.loads(answer(command, positional, options, session))
-    return document
+    return document(answer(command, positional, options, session))
 
 
 def answer(
@@ -178,10 +177,21 @@ def answer(
 ) -> str:
     """Return the document of :func:`ask` as JSON."""
     text = session.answer(words(command, positional, options))
+    warn_of(session)
+    return text
+
+
+def document(answer: str) -> dict[str, Any]:
+    """Return a JSON document as a dictionary; the digits of numbers have all their bits."""
+    parsed: dict[str, Any] = json.loads(answer)
+    return parsed
+
+
+def warn_of(session: AnsweringSession) -> None:
+    """Warn at the line of the caller of the package what a session warned of."""
     for remark in session.remarks():
         if remark.startswith("warning: "):
             warn(remark.removeprefix("warning: "))
-    return text
 
 
 def warn(message: str) -> None:

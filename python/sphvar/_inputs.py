@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
+from ._ask import document as document_of
 from ._functions import IntegrandLike, add_integrand
 from ._sampler import Sampler
 
@@ -99,7 +100,7 @@ class Inputs:
         for text, label in sorted(self._labels.items(), key=lambda pair: -len(pair[0])):
             own = json.dumps(label, ensure_ascii=False)[1:-1]
             answer = re.sub(re.escape(text) + r"(?![A-Za-z0-9_-])", lambda _: own, answer)
-        document: dict[str, Any] = json.loads(answer)
+        document = document_of(answer)
         rows = document.get("rows", [])
         found = list(dict.fromkeys(row["sampler"] for row in rows if "sampler" in row))
         is_ranked = bool(rows) and "rank" in rows[0]
