@@ -1,10 +1,11 @@
 //! numpy arrays as points, weights and values, and back.
 
+use numpy::ndarray::IxDyn;
 use numpy::{
-    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
-    ToPyArray,
+    Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods, ToPyArray,
 };
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use sphvar::glam::DVec3;
 
@@ -12,25 +13,72 @@ use crate::errors::value_error;
 
 /// Returns an array-like object as a numpy array of `float64`, without a copy where it is one.
 /// `name` is its name in messages.
+///
+/// Integers and floats of every size and byte order are converted; other types are a `TypeError`, and
+/// masked arrays a `ValueError`. The elements may be read only while the interpreter's lock is held:
+/// without it, other threads may write to an array that was not copied.
 pub(crate) fn float_array<'py>(
     name: &str,
     object: &Bound<'py, PyAny>,
 ) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    if let Ok(array) = object.cast::<PyArrayDyn<f64>>() {
-        return Ok(array.readonly());
-    }
+    number_array(name, object, "float64", "fiu", "numbers")
+}
+
+/// Returns an array-like object of integers as a numpy array of `int64`, as [`float_array`] does.
+pub(crate) fn integer_array<'py>(
+    name: &str,
+    object: &Bound<'py, PyAny>,
+) -> PyResult<PyReadonlyArrayDyn<'py, i64>> {
+    number_array(name, object, "int64", "iu", "integers")
+}
+
+fn number_array<'py, T: Element>(
+    name: &str,
+    object: &Bound<'py, PyAny>,
+    dtype: &str,
+    kinds: &str,
+    expected: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let py = object.py();
+    if let Ok(array) = object.cast_exact::<PyArrayDyn<T>>()
+        && is_plain(array)
+    {
+        return Ok(array.try_readonly()?);
+    }
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asarray", (object,))?;
-    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    if !"fiu".contains(&kind) {
-        let dtype = array.getattr("dtype")?.str()?;
-        return Err(PyTypeError::new_err(format!(
-            "{name}: expected an array of numbers, got one of dtype {dtype}"
+    if numpy.getattr("ma")?.call_method1("isMaskedArray", (object,))?.extract()? {
+        return Err(value_error(format!(
+            "{name}: masked arrays are not supported; pass the values that are not masked"
         )));
     }
-    let array = array.call_method1("astype", ("float64",))?;
-    Ok(array.cast::<PyArrayDyn<f64>>()?.readonly())
+    let array = numpy.call_method1("asarray", (object,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    // The dtype of an empty list is float64.
+    let is_empty = array.getattr("size")?.extract::<usize>()? == 0 && kind == "f";
+    if !kinds.contains(&kind) && !is_empty {
+        let dtype = array.getattr("dtype")?.str()?;
+        return Err(PyTypeError::new_err(format!(
+            "{name}: expected an array of {expected}, got one of dtype {dtype}"
+        )));
+    }
+    if kind == "u" && dtype == "int64" && !array.call_method1("__le__", (i64::MAX,))?.call_method0("all")?.is_truthy()? {
+        return Err(value_error(format!("{name}: an integer is above {}", i64::MAX)));
+    }
+    // A copy unless it is an aligned array of this type.
+    let requirements = ["ALIGNED", "ENSUREARRAY"];
+    let array = numpy.call_method1("require", (array, dtype, requirements))?;
+    let array = array.cast::<PyArrayDyn<T>>()?;
+    if !is_plain(array) {
+        return Ok(array.call_method0("copy")?.cast::<PyArrayDyn<T>>()?.try_readonly()?);
+    }
+    Ok(array.try_readonly()?)
+}
+
+/// Returns whether the elements lie at multiples of their size, which views of arrays require.
+fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
+    let size = size_of::<T>();
+    array.data().is_aligned()
+        && array.strides().iter().all(|stride| stride.unsigned_abs().is_multiple_of(size))
 }
 
 /// Returns an array-like object of shape `(n,)`.
@@ -39,14 +87,89 @@ pub(crate) fn floats(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>
     if array.ndim() != 1 {
         return Err(shape_error(name, "(n,)", array.shape()));
     }
-    Ok(array.as_array().iter().copied().collect())
+    elements(&array)
+}
+
+/// Returns an array-like object of shape `(n, D)`.
+pub(crate) fn rows<const D: usize>(
+    name: &str,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<Vec<[f64; D]>> {
+    let array = float_array(name, object)?;
+    match *array.shape() {
+        [_, last] if last == D => Ok(in_rows(elements(&array)?)),
+        _ => Err(shape_error(name, &format!("(n, {D})"), array.shape())),
+    }
+}
+
+/// Returns an array-like object of shape `(n, D)` or `(m, n, D)`, the points of one set or of several,
+/// and that shape without D.
+pub(crate) fn sets<const D: usize>(
+    name: &str,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<(Vec<[f64; D]>, Vec<usize>)> {
+    let array = float_array(name, object)?;
+    match *array.shape() {
+        [ref shape @ .., last] if last == D && matches!(shape.len(), 1 | 2) => {
+            Ok((in_rows(elements(&array)?), shape.to_vec()))
+        }
+        _ => Err(shape_error(name, &format!("(n, {D}) or (m, n, {D})"), array.shape())),
+    }
+}
+
+/// Returns a copy of the elements in C order.
+pub(crate) fn elements<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<T>> {
+    let mut all = reserved(array.len())?;
+    match array.as_slice() {
+        Ok(slice) => all.extend_from_slice(slice),
+        Err(_) => all.extend(array.as_array().iter().copied()),
+    }
+    Ok(all)
+}
+
+fn in_rows<const D: usize>(numbers: Vec<f64>) -> Vec<[f64; D]> {
+    numbers.as_chunks().0.to_vec()
+}
+
+/// Returns an empty vector that takes `len` elements, or a `MemoryError`: an allocation that fails
+/// elsewhere ends the process.
+pub(crate) fn reserved<T>(len: usize) -> PyResult<Vec<T>> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(len).map_err(|_| no_memory::<T>(len))?;
+    Ok(all)
+}
+
+/// Returns `len` zeros, or a `MemoryError`. The system gives pages of zeros when they are first used,
+/// so threads that fill parts of the array share that work.
+pub(crate) fn zeros<T: Default + Copy>(len: usize) -> PyResult<Vec<T>> {
+    drop(reserved::<T>(len)?);
+    Ok(vec![T::default(); len])
+}
+
+fn no_memory<T>(len: usize) -> PyErr {
+    let bytes = len as f64 * size_of::<T>() as f64;
+    PyMemoryError::new_err(format!("{bytes:.3e} bytes of memory are not available"))
 }
 
 /// Returns the error of an array of the wrong shape.
 pub(crate) fn shape_error(name: &str, expected: &str, got: &[usize]) -> PyErr {
-    let sizes: Vec<String> = got.iter().map(usize::to_string).collect();
+    value_error(format!("{name}: expected shape {expected}, got {}", shape_text(got)))
+}
+
+/// Returns a shape or an index as Python prints it.
+pub(crate) fn shape_text(sizes: &[usize]) -> String {
+    let texts: Vec<String> = sizes.iter().map(usize::to_string).collect();
     let comma = if sizes.len() == 1 { "," } else { "" };
-    value_error(format!("{name}: expected shape {expected}, got ({}{comma})", sizes.join(", ")))
+    format!("({}{comma})", texts.join(", "))
+}
+
+/// Returns numbers in C order as an array of this shape, which takes them over without a copy.
+pub(crate) fn of_shape<'py, T: Element>(
+    py: Python<'py>,
+    numbers: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    PyArray1::from_vec(py, numbers).reshape(IxDyn(shape))
 }
 
 /// Returns directions as an array of shape `(n, 3)`.
@@ -54,11 +177,18 @@ pub(crate) fn of_directions<'py>(
     py: Python<'py>,
     points: &[DVec3],
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let flat: Vec<f64> = points.iter().flat_map(|point| point.to_array()).collect();
-    PyArray1::from_vec(py, flat).reshape([points.len(), 3])
+    let rows: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([points.len(), 3])
 }
 
 /// Returns numbers as an array of shape `(n,)`.
 pub(crate) fn of_floats<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
     values.to_pyarray(py)
+}
+
+/// Returns an array, or its element if it has the shape `()`.
+pub(crate) fn or_scalar<'py, T: Element, D>(
+    array: Bound<'py, PyArray<T, D>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if array.ndim() == 0 { array.get_item(()) } else { Ok(array.into_any()) }
 }

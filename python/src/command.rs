@@ -7,6 +7,8 @@ use pyo3::prelude::*;
 /// Runs the command with the words after its name and returns its exit status.
 #[pyfunction]
 fn run_command(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    // The command prints panics, of which this package makes exceptions.
+    drop(std::panic::take_hook());
     py.detach(|| sphvar_cli::embedding::run_command(words))
 }
 

@@ -6,6 +6,8 @@ mod command;
 mod errors;
 mod spectrum;
 mod transforms;
+mod healpix;
+mod sampler;
 mod work;
 
 use pyo3::prelude::*;
@@ -16,5 +18,7 @@ fn _sphvar(module: &Bound<'_, PyModule>) -> PyResult<()> {
     command::register(module)?;
     spectrum::register(module)?;
     transforms::register(module)?;
+    healpix::register(module)?;
+    sampler::register(module)?;
     work::register(module)
 }

@@ -63,8 +63,7 @@ impl RotationFormat {
     }
 
     /// Returns the shape of a rotation in an array.
-    #[must_use]
-    pub fn shape(self) -> &'static [u64] {
+    fn shape(self) -> &'static [u64] {
         match self {
             Self::Quaternions => &[4],
             Self::Matrices => &[3, 3],
