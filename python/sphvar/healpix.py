@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._sphvar import _healpix
+from . import _sphvar as _healpix
 
 __all__ = [
     "ang2pix",

@@ -383,14 +383,12 @@ fn npix2nside(npix: &Bound<'_, PyAny>) -> PyResult<u32> {
     }
 }
 
-pub(crate) fn register(parent: &Bound<'_, PyModule>) -> PyResult<()> {
-    let module = PyModule::new(parent.py(), "_healpix")?;
-    module.add_function(wrap_pyfunction!(vec2pix, &module)?)?;
-    module.add_function(wrap_pyfunction!(pix2vec, &module)?)?;
-    module.add_function(wrap_pyfunction!(ang2pix, &module)?)?;
-    module.add_function(wrap_pyfunction!(pix2ang, &module)?)?;
-    module.add_function(wrap_pyfunction!(reorder, &module)?)?;
-    module.add_function(wrap_pyfunction!(nside2npix, &module)?)?;
-    module.add_function(wrap_pyfunction!(npix2nside, &module)?)?;
-    parent.add_submodule(&module)
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(vec2pix, module)?)?;
+    module.add_function(wrap_pyfunction!(pix2vec, module)?)?;
+    module.add_function(wrap_pyfunction!(ang2pix, module)?)?;
+    module.add_function(wrap_pyfunction!(pix2ang, module)?)?;
+    module.add_function(wrap_pyfunction!(reorder, module)?)?;
+    module.add_function(wrap_pyfunction!(nside2npix, module)?)?;
+    module.add_function(wrap_pyfunction!(npix2nside, module)?)
 }
