@@ -3,7 +3,7 @@
 use numpy::ndarray::IxDyn;
 use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
-    PyUntypedArrayMethods, ToPyArray,
+    PyUntypedArray, PyUntypedArrayMethods, ToPyArray,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
@@ -40,18 +40,24 @@ fn number_array<'py, T: Element>(
     expected: &str,
 ) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let py = object.py();
-    if let Ok(array) = object.cast_exact::<PyArrayDyn<T>>()
+    if object.is_exact_instance_of::<PyUntypedArray>()
+        && let Ok(array) = object.cast::<PyArrayDyn<T>>()
+        && array.ndim() <= MAX_DIMENSIONS
         && is_plain(array)
     {
         return Ok(array.try_readonly()?);
     }
     let numpy = py.import("numpy")?;
-    if numpy.getattr("ma")?.call_method1("isMaskedArray", (object,))?.extract()? {
+    let array = numpy.call_method1("asanyarray", (object,))?;
+    if numpy.getattr("ma")?.call_method1("isMaskedArray", (&array,))?.extract()? {
         return Err(value_error(format!(
             "{name}: masked arrays are not supported; pass the values that are not masked"
         )));
     }
-    let array = numpy.call_method1("asarray", (object,))?;
+    let ndim: usize = array.getattr("ndim")?.extract()?;
+    if ndim > MAX_DIMENSIONS {
+        return Err(value_error(format!("{name}: an array has at most 32 dimensions, got {ndim}")));
+    }
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     // The dtype of an empty list is float64.
     let is_empty = array.getattr("size")?.extract::<usize>()? == 0 && kind == "f";
@@ -61,7 +67,10 @@ fn number_array<'py, T: Element>(
             "{name}: expected an array of {expected}, got one of dtype {dtype}"
         )));
     }
-    if kind == "u" && dtype == "int64" && !array.call_method1("__le__", (i64::MAX,))?.call_method0("all")?.is_truthy()? {
+    if kind == "u"
+        && dtype == "int64"
+        && !array.call_method1("__le__", (i64::MAX,))?.call_method0("all")?.is_truthy()?
+    {
         return Err(value_error(format!("{name}: an integer is above {}", i64::MAX)));
     }
     // A copy unless it is an aligned array of this type.
@@ -74,12 +83,18 @@ fn number_array<'py, T: Element>(
     Ok(array.try_readonly()?)
 }
 
-/// Returns whether the elements lie at multiples of their size, which views of arrays require.
+/// Returns whether an array can be viewed: its elements lie at multiples of their size, and an array
+/// without elements has no strides that lead out of it.
 fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     let size = size_of::<T>();
-    array.data().is_aligned()
-        && array.strides().iter().all(|stride| stride.unsigned_abs().is_multiple_of(size))
+    let is_stride = |stride: &isize| {
+        stride.unsigned_abs().is_multiple_of(size) && (*stride >= 0 || !array.is_empty())
+    };
+    array.data().is_aligned() && array.strides().iter().all(is_stride)
 }
+
+/// The largest number of dimensions of views.
+const MAX_DIMENSIONS: usize = 32;
 
 /// Returns an array-like object of shape `(n,)`.
 pub(crate) fn floats(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
@@ -120,9 +135,10 @@ pub(crate) fn sets<const D: usize>(
 /// Returns a copy of the elements in C order.
 pub(crate) fn elements<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<T>> {
     let mut all = reserved(array.len())?;
+    // A slice of an array in Fortran order would have its elements in that order.
     match array.as_slice() {
-        Ok(slice) => all.extend_from_slice(slice),
-        Err(_) => all.extend(array.as_array().iter().copied()),
+        Ok(slice) if array.is_c_contiguous() => all.extend_from_slice(slice),
+        _ => all.extend(array.as_array().iter().copied()),
     }
     Ok(all)
 }

@@ -69,16 +69,16 @@ impl<'py, T: Element + Copy, const I: usize> Columns<'py, T, I> {
         for array in arrays {
             columns.push(if len <= SMALL {
                 let view = array.as_array();
-                let all = view.broadcast(&*shape).ok_or_else(|| {
-                    shape_error(names, &shape_text(&shape), array.shape())
-                })?;
+                let all = view
+                    .broadcast(&*shape)
+                    .ok_or_else(|| shape_error(names, &shape_text(&shape), array.shape()))?;
                 Column::Small(all.iter().copied().collect())
             } else {
                 let numpy = array.py().import("numpy")?;
-                let all = numpy.call_method1("broadcast_to", (&*array, PyTuple::new(array.py(), &shape)?))?;
-                let copy = numpy.call_method1("ascontiguousarray", (all,))?;
-                let is_own = !copy.is(&*array) && copy.getattr("flags")?.getattr("owndata")?.is_truthy()?;
-                let copy = if is_own { copy } else { copy.call_method0("copy")? };
+                let shape = PyTuple::new(array.py(), &shape)?;
+                let all = numpy.call_method1("broadcast_to", (&*array, shape))?;
+                // In C order, and never the array of the caller.
+                let copy = all.call_method1("copy", ("C",))?;
                 Column::Large(copy.cast::<PyArrayDyn<T>>()?.try_readonly()?)
             });
         }
@@ -224,7 +224,12 @@ fn checked(nside: Nside, pixels: &[i64], at: usize) -> Result<u64, Fault> {
     let valid = u64::try_from(pixel).ok().and_then(|pixel| nside.check_pixel(pixel).ok());
     valid.ok_or_else(|| {
         let n_pixels = nside.n_pixels();
-        Fault::new(at, format!("pixel {pixel} is out of range: the grid has {n_pixels} pixels, numbered from 0"))
+        Fault::new(
+            at,
+            format!(
+                "pixel {pixel} is out of range: the grid has {n_pixels} pixels, numbered from 0"
+            ),
+        )
     })
 }
 
@@ -317,9 +322,15 @@ fn ang2pix<'py>(
 /// Returns the fault of a longitude and a latitude in degrees.
 fn of_degrees(at: usize, lon: f64, lat: f64) -> Fault {
     if (-90.0..=90.0).contains(&lat) {
-        Fault::new(at, format!("longitude lon = {lon} is not finite: any finite angle in degrees is accepted"))
+        Fault::new(
+            at,
+            format!("longitude lon = {lon} is not finite: any finite angle in degrees is accepted"),
+        )
     } else {
-        Fault::new(at, format!("latitude lat = {lat} is out of range: it must be from -90 to 90 degrees"))
+        Fault::new(
+            at,
+            format!("latitude lat = {lat} is out of range: it must be from -90 to 90 degrees"),
+        )
     }
 }
 

@@ -298,9 +298,7 @@ impl Source {
         match self {
             Self::Directions(draws) => draw(draws, (), first, count, given, progress),
             Self::Square(draws) => draw(draws, (), first, count, given, progress),
-            Self::Rotations(draws, format) => {
-                draw(draws, *format, first, count, given, progress)
-            }
+            Self::Rotations(draws, format) => draw(draws, *format, first, count, given, progress),
         }
     }
 }

@@ -209,7 +209,22 @@ fn of_panic(payload: &(dyn Any + Send)) -> PyErr {
     PyRuntimeError::new_err(format!("internal error of sphvar, please report it: {text}"))
 }
 
-/// Set the number of threads of this process; 0 is one per core. Results do not depend on it.
+/// Set the number of threads of this process. Results do not depend on it.
+///
+/// Parameters
+/// ----------
+/// threads : int
+///     The number of threads, at most 1024; 0 is one per core, which is the default.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If the number is out of range.
+///
+/// Examples
+/// --------
+/// >>> import sphvar
+/// >>> sphvar.set_num_threads(0)
 #[pyfunction]
 fn set_num_threads(threads: i64) -> PyResult<()> {
     let threads = usize::try_from(threads).ok().filter(|threads| *threads <= MAX_THREADS);
