@@ -430,3 +430,57 @@ fn no_power(last: usize, domain: Domain) -> String {
         (_, Domain::Hemisphere) => format!("no power at even degrees 2 to {last}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::PointSet;
+
+    use super::{DVec3, DrawRequest, Draws, GivenSets};
+    use crate::given::PointTable;
+    use crate::session::Session;
+
+    fn realized(draws: &Draws, index: u64, given: GivenSets) -> Vec<DVec3> {
+        let mut set = PointSet::default();
+        draws.realize_into(index, given, &mut set, &()).unwrap();
+        set.points
+    }
+
+    #[test]
+    fn given_sets_repeat_with_new_rotations() {
+        let session = Session::quiet();
+        let coordinates = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let table =
+            PointTable { coordinates, dimension: 3, sets: Some(3), ..PointTable::default() };
+        session.add_points("axes", table).unwrap();
+        let draws = |is_randomized| {
+            let sampler = "file:axes".to_owned();
+            let request = DrawRequest { sampler, is_randomized, ..DrawRequest::default() };
+            session.directions(&request).unwrap()
+        };
+        let (plain, rotated) = (draws(false), draws(true));
+        assert_eq!((plain.n_points(), plain.n_given()), (1, Some(3)));
+        for (index, axis) in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::X].into_iter().enumerate() {
+            assert_eq!(realized(&plain, index as u64, GivenSets::InOrder), [axis]);
+        }
+        let first = realized(&rotated, 0, GivenSets::InOrder);
+        assert_eq!(first, realized(&rotated, 0, GivenSets::InOrder));
+        assert_ne!(first, realized(&rotated, 3, GivenSets::InOrder));
+        // Drawn sets are those of the command with -m.
+        let drawn = |index| realized(&plain, index, GivenSets::Drawn)[0];
+        assert!((0..20).any(|index| drawn(index) == DVec3::Z));
+    }
+
+    #[test]
+    fn requests_that_cannot_be_are_errors_in_the_words_of_the_command() {
+        let session = Session::quiet();
+        let message = |sampler: &str, n, is_randomized| {
+            let sampler = sampler.to_owned();
+            let request = DrawRequest { sampler, n, is_randomized, ..DrawRequest::default() };
+            session.directions(&request).unwrap_err().message
+        };
+        assert!(message("fibonacci", None, false).contains("-n/--count"));
+        assert!(message("healpix", Some(13), false).contains("use --nearest"));
+        assert!(message("sobol:warp=cosine", Some(16), true).contains("--rotate does not apply"));
+        assert!(message("super-fibonacci", Some(16), false).contains("a pattern of rotations"));
+    }
+}
