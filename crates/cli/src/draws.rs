@@ -88,7 +88,7 @@ impl Session {
     ///
     /// Those of the command `sample` in its words.
     pub fn directions(&self, request: &DrawRequest) -> Result<Draws, Failure> {
-        Ok(Draws::new(request, &self.run(&[]))?)
+        self.drawn(request, Draws::new)
     }
 
     /// Returns the sets of a sampler of the unit square.
@@ -97,7 +97,7 @@ impl Session {
     ///
     /// Those of the command `sample --square` in its words.
     pub fn square_points(&self, request: &DrawRequest) -> Result<Draws<[f64; 2]>, Failure> {
-        Ok(Draws::square(request, &self.run(&[]))?)
+        self.drawn(request, Draws::square)
     }
 
     /// Returns the sets of a pattern of rotations.
@@ -106,7 +106,16 @@ impl Session {
     ///
     /// Those of the command `rotations` in its words.
     pub fn rotations(&self, request: &DrawRequest) -> Result<Draws<DQuat>, Failure> {
-        Ok(Draws::rotations(request, &self.run(&[]))?)
+        self.drawn(request, Draws::rotations)
+    }
+
+    fn drawn<P>(
+        &self,
+        request: &DrawRequest,
+        new: impl FnOnce(&DrawRequest, &Self) -> Result<Draws<P>, CliError>,
+    ) -> Result<Draws<P>, Failure> {
+        let run = self.run(&[]);
+        new(request, &run).map_err(|error| Failure::of_run(error, &run))
     }
 }
 
@@ -447,7 +456,7 @@ mod tests {
 
     #[test]
     fn given_sets_repeat_with_new_rotations() {
-        let session = Session::quiet();
+        let session = Session::of_process(&[], true);
         let coordinates = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         let table =
             PointTable { coordinates, dimension: 3, sets: Some(3), ..PointTable::default() };
@@ -472,7 +481,7 @@ mod tests {
 
     #[test]
     fn requests_that_cannot_be_are_errors_in_the_words_of_the_command() {
-        let session = Session::quiet();
+        let session = Session::of_process(&[], true);
         let message = |sampler: &str, n, is_randomized| {
             let sampler = sampler.to_owned();
             let request = DrawRequest { sampler, n, is_randomized, ..DrawRequest::default() };

@@ -64,7 +64,7 @@ impl std::error::Error for Failure {}
 
 impl Failure {
     /// Returns the failure of a run; the content of an array is invalid as an argument is.
-    fn of_run(error: CliError, session: &Session) -> Self {
+    pub(crate) fn of_run(error: CliError, session: &Session) -> Self {
         let is_of_array =
             matches!(&error, CliError::File(message) if session.given.is_about(message));
         let failure = Self::from(error);
