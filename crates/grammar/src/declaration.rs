@@ -239,6 +239,18 @@ impl<'a> Declaration<'a> {
         self.push(name, ParameterKind::File, summary, None, value);
     }
 
+    /// Declares the required name of something that the program has, given by the first bare value or
+    /// by its key. Its initial value is an example.
+    pub fn required_name(&mut self, name: &'static str, summary: &'static str, value: &mut String) {
+        if let Some(spec) = &mut self.spec {
+            match spec.take("").or_else(|| spec.take(name)) {
+                Some(given) => *value = given,
+                None => self.require(name),
+            }
+        }
+        self.push(name, ParameterKind::Name, summary, None, Some(Value::Word(value.clone())));
+    }
+
     fn read_file(&mut self, name: &str) -> Option<PathBuf> {
         let spec = self.spec.as_mut()?;
         spec.take_path("").or_else(|| spec.take_path(name))

@@ -39,6 +39,8 @@ pub enum ParameterKind {
     Text(&'static str),
     /// A file name, which may also be the first bare value.
     File,
+    /// The name of something that the program has, which may also be the first bare value.
+    Name,
 }
 
 /// The default value of a parameter.
@@ -90,6 +92,13 @@ impl Parameter {
     }
 }
 
+impl ParameterKind {
+    /// Returns whether the value may stand first without its key.
+    pub(crate) fn is_bare(&self) -> bool {
+        matches!(self, Self::File | Self::Name)
+    }
+}
+
 impl fmt::Display for ParameterKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -101,6 +110,7 @@ impl fmt::Display for ParameterKind {
             Self::Word => f.write_str("a name"),
             Self::Text(what) => f.write_str(what),
             Self::File => f.write_str("the name of a file"),
+            Self::Name => f.write_str("a name"),
         }
     }
 }

@@ -39,7 +39,7 @@ pub fn form(name: &str, default: &mut dyn Parametric) -> String {
             (ParameterKind::File, None) => "FILE".to_owned(),
             (_, None) => "NUMBER".to_owned(),
         };
-        let is_bare = declared.kind == ParameterKind::File && separator == ':';
+        let is_bare = declared.kind.is_bare() && separator == ':';
         let item = if is_bare { value } else { format!("{}={value}", declared.name) };
         let item = format!("{separator}{item}");
         form.push_str(&if declared.is_required() { item } else { format!("[{item}]") });
@@ -73,7 +73,7 @@ pub fn text(name: &str, parametric: &mut dyn Parametric, default: &mut dyn Param
         }
         text.push(separator);
         // A bare value comes first.
-        if !(given.kind == ParameterKind::File && separator == ':') {
+        if !(given.kind.is_bare() && separator == ':') {
             text.push_str(given.name);
             text.push('=');
         }

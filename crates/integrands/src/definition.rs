@@ -3,8 +3,8 @@ use sphvar_warps::DensityMap;
 
 use crate::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
-    Error, Expansion, FittedFunction, HealpixMap, HealpixMapParameters, ImageParameters, Integrand,
-    Interpolation, SquareImage, ValuesParameters,
+    Error, Expansion, FittedFunction, FunctionParameters, HealpixMap, HealpixMapParameters,
+    ImageParameters, Integrand, Interpolation, SquareImage, ValuesParameters,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -16,7 +16,8 @@ pub(crate) trait Definition: Parametric {
 }
 
 /// Reads the files named in integrand specifications, as in `env:FILE`, `map:FILE` and
-/// `image:FILE`. Kinds of files that it does not implement are rejected.
+/// `image:FILE`, and supplies the functions of the program, as in `function:NAME`. What it does not
+/// implement is rejected.
 pub trait IntegrandResolver {
     /// Returns the environment map of a file, with its pole at +z.
     ///
@@ -84,6 +85,46 @@ pub trait IntegrandResolver {
     /// [`ResolveError`] with the reason if the file has no such picture.
     fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {
         Err(unread(&wanted.file))
+    }
+
+    /// Returns the function of the program that has a name, for the term `function:NAME` of
+    /// expressions. [`SharedFunction`](crate::SharedFunction) makes it available more than once.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if there is no such function.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use sphvar_integrands::grammar::ResolveError;
+    /// use sphvar_integrands::{
+    ///     Domain, Expression, FunctionParameters, Integrand, IntegrandResolver, SampledFunction,
+    /// };
+    ///
+    /// struct Own;
+    ///
+    /// impl IntegrandResolver for Own {
+    ///     fn function(&self, wanted: &FunctionParameters) -> Result<Box<dyn Integrand>, ResolveError> {
+    ///         match &*wanted.name {
+    ///             "wave" => Ok(Box::new(SampledFunction::new(|d: DVec3| d.x * d.x, 2))),
+    ///             name => Err(ResolveError::new(format!("there is no function {name}"))),
+    ///         }
+    ///     }
+    /// }
+    ///
+    /// let expression: Expression = "2 * function:wave @ 30/0 - cosine".parse()?;
+    /// let integral = expression.build(&Own)?.exact(Domain::Sphere).unwrap();
+    /// assert!((integral - (8.0 / 3.0 - 1.0) * std::f64::consts::PI).abs() < 1e-14);
+    /// # Ok::<(), sphvar_integrands::Error>(())
+    /// ```
+    fn function(&self, wanted: &FunctionParameters) -> Result<Box<dyn Integrand>, ResolveError> {
+        Err(ResolveError::new(format!(
+            "function:{}: only programs that use the library supply functions of their own, such as \
+             a callable in Python",
+            wanted.name
+        )))
     }
 
     /// Returns the check that a function of a degree fits in memory, which its first value calls;

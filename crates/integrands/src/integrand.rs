@@ -192,68 +192,76 @@ impl<F: Fn(DVec3) -> f64 + Sync> Integrand for F {
     }
 }
 
+/// Implements every method of [`Integrand`] by that of the function to which the type dereferences.
+macro_rules! forwarded {
+    () => {
+        fn eval(&self, dir: DVec3) -> f64 {
+            (**self).eval(dir)
+        }
+
+        fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+            (**self).eval_into(dirs, values)
+        }
+
+        fn shape(&self) -> Result<Shape, Error> {
+            (**self).shape()
+        }
+
+        fn environment_map(&self) -> Option<&EnvironmentMap> {
+            (**self).environment_map()
+        }
+
+        fn exact(&self, domain: Domain) -> Option<f64> {
+            (**self).exact(domain)
+        }
+
+        fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+            (**self).integral_estimate(domain)
+        }
+
+        fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+            (**self).coefficients(domain, lmax)
+        }
+
+        fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+            (**self).centred_square(domain)
+        }
+
+        fn square(&self, domain: Domain) -> Result<f64, Error> {
+            (**self).square(domain)
+        }
+
+        fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+            (**self).squared_parts(lmax)
+        }
+
+        fn kurtosis(&self, domain: Domain) -> Option<f64> {
+            (**self).kurtosis(domain)
+        }
+
+        fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+            (**self).energy(domain, lmax)
+        }
+
+        fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+            (**self).energy_seconds(domain, lmax)
+        }
+
+        fn feature_degree(&self) -> Option<usize> {
+            (**self).feature_degree()
+        }
+
+        fn band_limit(&self) -> Option<usize> {
+            (**self).band_limit()
+        }
+
+        fn resolved_degree(&self) -> Option<usize> {
+            (**self).resolved_degree()
+        }
+    };
+}
+pub(crate) use forwarded;
+
 impl Integrand for Box<dyn Integrand + '_> {
-    fn eval(&self, dir: DVec3) -> f64 {
-        (**self).eval(dir)
-    }
-
-    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-        (**self).eval_into(dirs, values)
-    }
-
-    fn shape(&self) -> Result<Shape, Error> {
-        (**self).shape()
-    }
-
-    fn environment_map(&self) -> Option<&EnvironmentMap> {
-        (**self).environment_map()
-    }
-
-    fn exact(&self, domain: Domain) -> Option<f64> {
-        (**self).exact(domain)
-    }
-
-    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
-        (**self).integral_estimate(domain)
-    }
-
-    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        (**self).coefficients(domain, lmax)
-    }
-
-    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
-        (**self).centred_square(domain)
-    }
-
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        (**self).square(domain)
-    }
-
-    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
-        (**self).squared_parts(lmax)
-    }
-
-    fn kurtosis(&self, domain: Domain) -> Option<f64> {
-        (**self).kurtosis(domain)
-    }
-
-    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
-        (**self).energy(domain, lmax)
-    }
-
-    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
-        (**self).energy_seconds(domain, lmax)
-    }
-
-    fn feature_degree(&self) -> Option<usize> {
-        (**self).feature_degree()
-    }
-
-    fn band_limit(&self) -> Option<usize> {
-        (**self).band_limit()
-    }
-
-    fn resolved_degree(&self) -> Option<usize> {
-        (**self).resolved_degree()
-    }
+    forwarded!();
 }

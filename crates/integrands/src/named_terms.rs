@@ -2,14 +2,16 @@
 
 use crate::Error;
 
-/// Declares a list of named functions: what they are in words, the type of its entries, and the
-/// module, the variant, the name and the summary of every function. A variant with parameters
+/// Declares a list of named functions: what they are in words, the type of its entries, the name that
+/// tables omit, if there is one, and the module, the variant, the name and the summary of every
+/// function. A variant with parameters
 /// names their type; otherwise the definition is the type `Parameters` of its module. Functions
 /// that depend on more than their parameters name the further arguments of `build`.
 macro_rules! named_terms {
     (
         $(#[$meta:meta])*
-        $what:literal $Term:ident: $Definition:ident $(($argument:ident: $Argument:ident))? -> $Function:ident;
+        $what:literal $Term:ident: $Definition:ident $(($argument:ident: $Argument:ident))? -> $Function:ident
+        $(, unlisted $unlisted:literal)?;
         $($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*
     ) => {
         $(
@@ -33,8 +35,16 @@ macro_rules! named_terms {
                 "Returns every named ", $what,
                 " with its default parameters, and examples of required ones, in the order of tables."
             )]
+            $(#[doc = concat!("`", $unlisted, "` is not among them: texts alone do not give one.")])?
             #[must_use]
             pub fn all() -> Vec<Self> {
+                let every = Self::every().into_iter();
+                $(let every = every.filter(|term| term.name() != $unlisted);)?
+                every.collect()
+            }
+
+            #[doc = concat!("Returns [`all`](Self::all) with each ", $what, " that tables omit.")]
+            fn every() -> Vec<Self> {
                 vec![$(Self::$Variant $(($Parameters::default()))?),*]
             }
 
@@ -89,7 +99,7 @@ macro_rules! named_terms {
 
             #[doc = concat!("Returns the ", $what, " of the same name with its default parameters.")]
             fn default_of_name(&self) -> Self {
-                let same = Self::all().into_iter().find(|term| term.name() == self.name());
+                let same = Self::every().into_iter().find(|term| term.name() == self.name());
                 same.unwrap_or_else(|| self.clone())
             }
 
@@ -109,12 +119,12 @@ macro_rules! named_terms {
 
             fn from_str(text: &str) -> Result<Self, crate::Error> {
                 let spec = sphvar_grammar::Spec::parse(text)?;
-                let all = Self::all();
-                let names: Vec<&str> = all.iter().map(Self::name).collect();
-                let unknown =
-                    || sphvar_grammar::Error::unknown_name($what, &spec.name, &names);
-                let known = all.iter().find(|term| term.name() == spec.name);
-                let mut term = known.ok_or_else(unknown)?.clone();
+                let unknown = || {
+                    let names: Vec<&str> = Self::all().iter().map(Self::name).collect();
+                    sphvar_grammar::Error::unknown_name($what, &spec.name, &names)
+                };
+                let known = Self::every().into_iter().find(|term| term.name() == spec.name);
+                let mut term = known.ok_or_else(unknown)?;
                 term.with_definition(|definition| sphvar_grammar::read(definition, spec))?;
                 Ok(term)
             }

@@ -3,7 +3,7 @@ use std::fmt;
 use glam::DVec3;
 use sphvar_sh::{ByParity, Domain, LmIndex};
 
-use crate::quadrature::{self, Estimate, FIRST_NODES};
+use crate::quadrature::{self, Estimate, FIRST_NODES, MAX_FEATURE_DEGREE};
 use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// The relative error of all energies below which a function counts as known to rounding: the next
@@ -43,6 +43,13 @@ impl Tolerance {
         }
         Ok(self)
     }
+
+    /// Returns the degree of the narrowest features that `min_evaluations` values resolve: rules of n
+    /// rings take 2 n^2 values, all rules before as many again, and features of degree 2n are those
+    /// that n rings do not miss.
+    pub(super) fn feature_degree(self) -> usize {
+        self.min_evaluations.isqrt().clamp(1, MAX_FEATURE_DEGREE)
+    }
 }
 
 impl Default for Tolerance {
@@ -66,8 +73,8 @@ impl Default for Tolerance {
 ///   rotations of it are as for a [`SampledFunction`](crate::SampledFunction) of the degree found.
 /// - For a function with kinks or jumps the doubling converges slowly, as a power of the degree.
 ///   [`energy`](Integrand::energy) then ends at half the degree of the last rule and has errors
-///   ([`Energy::errors`]), and sums or products of the function are errors; take the sum or
-///   product as one adaptive function, or declare the edges with
+///   ([`Energy::errors`]). Sums, products and rotations of the function are estimated anew as a
+///   whole, with their own errors. Declared edges give exact results, see
 ///   [`SampledFunction::with_edge`](crate::SampledFunction::with_edge).
 /// - A feature that no node hits is missed, without a sign of it: with the default of 16384 values at
 ///   least, peaks that vanish beyond some 2 degrees. [`Tolerance::min_evaluations`] lowers the limit.
@@ -106,6 +113,7 @@ impl Default for Tolerance {
 pub struct AdaptiveFunction<F> {
     function: F,
     domain: Domain,
+    tolerance: Tolerance,
     estimate: Estimate,
 }
 
@@ -135,7 +143,7 @@ impl<F: Integrand> AdaptiveFunction<F> {
         let Tolerance { relative, min_evaluations, max_evaluations } = tolerance.checked()?;
         let evaluations = [min_evaluations, max_evaluations];
         let estimate = quadrature::doubled(&function, domain, relative, evaluations)?;
-        Ok(Self { function, domain, estimate })
+        Ok(Self { function, domain, tolerance, estimate })
     }
 
     /// Returns the error of the energies, summed over all degrees and relative to
@@ -241,6 +249,12 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
                 Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
             }
         }
+    }
+
+    /// Returns that of the features which [`Tolerance::min_evaluations`] values do not miss, so that
+    /// a sum or product with the function is estimated as a whole where it is not resolved.
+    fn feature_degree(&self) -> Option<usize> {
+        Some(self.tolerance.feature_degree())
     }
 
     /// Returns the estimate of the last rule.

@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod closed_form;
+mod deferred;
 mod environment;
 mod expansion;
 mod fitted;
@@ -19,11 +20,13 @@ mod product;
 mod random_field;
 mod rotated;
 mod sampled;
+mod shared;
 mod sum;
 mod sum_square;
 mod zonal_series;
 
 pub use adaptive::{AdaptiveFunction, Tolerance};
+pub use deferred::DeferredFunction;
 pub use environment::EnvironmentMap;
 pub use expansion::Expansion;
 pub use fitted::FittedFunction;
@@ -36,6 +39,7 @@ pub use random_field::RandomField;
 pub use rotated::Rotated;
 pub(crate) use rotated::rotation_to_angles;
 pub use sampled::SampledFunction;
+pub use shared::SharedFunction;
 pub use sum::Sum;
 
 use glam::DVec3;
@@ -48,7 +52,7 @@ named_terms! {
     /// A named integrand with its parameters.
     ///
     /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
-    "integrand" Term: Definition -> Integrand;
+    "integrand" Term: Definition -> Integrand, unlisted "function";
     "ylm" = harmonic::Harmonic(p: HarmonicParameters): "real spherical harmonic";
     "cap" = cap::Cap(p: CapParameters): "indicator of a spherical cap around +z";
     "double-cap" = double_cap::DoubleCap(p: DoubleCapParameters): "indicator of the caps around +z and -z";
@@ -65,6 +69,7 @@ named_terms! {
     "band" = band::Band(p: BandParameters): "random function of a given bandwidth, of variance 1";
     "alm" = alm::Alm(p: AlmParameters): "function with harmonic coefficients from a file";
     "values" = values::Values(p: ValuesParameters): "least-squares fit to values at points in a file";
+    "function" = function::Function(p: FunctionParameters): "function that the program supplies";
 }
 
 /// Returns `1 - z` of a unit vector, without cancellation near the pole, where narrow functions are

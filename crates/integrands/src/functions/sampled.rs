@@ -1,9 +1,14 @@
 use glam::DVec3;
 
+use crate::quadrature::finite_values_at;
 use crate::{Circle, Error, Integrand, Shape};
 
 /// A user-defined function with a declared shape. Integral, coefficients and energies follow by
 /// quadrature of its values.
+///
+/// A closure `Fn(DVec3) -> f64` is an [`Integrand`]; implement it for functions that are evaluated
+/// in batches or whose evaluation can fail. A value that is NaN or infinite, or whose evaluation
+/// panics, is [`Error::Evaluation`] with the direction.
 ///
 /// The declaration is a degree: everywhere (between the edges, if any are declared) the function is
 /// a polynomial of this degree in x, y and z to the required accuracy. Results are then exact to
@@ -38,7 +43,7 @@ pub struct SampledFunction<F> {
     shape: Shape,
 }
 
-impl<F: Fn(DVec3) -> f64 + Sync> SampledFunction<F> {
+impl<F: Integrand> SampledFunction<F> {
     /// Returns the function, as smooth as a polynomial of `degree`.
     #[must_use]
     pub fn new(function: F, degree: usize) -> Self {
@@ -59,9 +64,13 @@ impl<F: Fn(DVec3) -> f64 + Sync> SampledFunction<F> {
     }
 }
 
-impl<F: Fn(DVec3) -> f64 + Sync> Integrand for SampledFunction<F> {
+impl<F: Integrand> Integrand for SampledFunction<F> {
     fn eval(&self, dir: DVec3) -> f64 {
-        (self.function)(dir)
+        self.function.eval(dir)
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        finite_values_at(&self.function, dirs, values)
     }
 
     fn shape(&self) -> Result<Shape, Error> {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
-use super::sum_square::{self, sum_of_coefficients};
+use super::sum_square::{self, sum_of_coefficients, weighted_sum_into};
 use crate::quadrature::{self, Estimates};
 use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
@@ -83,14 +83,7 @@ impl Integrand for Sum {
     }
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-        // The initial value of a floating-point sum.
-        values.fill(-0.0);
-        let mut of_term = vec![0.0; values.len()];
-        for (weight, term) in &self.terms {
-            term.eval_into(dirs, &mut of_term)?;
-            values.iter_mut().zip(&of_term).for_each(|(sum, value)| *sum += weight * value);
-        }
-        Ok(())
+        weighted_sum_into(self.terms(), dirs, values)
     }
 
     fn shape(&self) -> Result<Shape, Error> {

@@ -72,6 +72,10 @@ impl Integrand for Group<'_> {
         self.terms.iter().map(|(w, f)| w * f.eval(dir)).sum()
     }
 
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        weighted_sum_into(self.terms.iter().copied(), dirs, values)
+    }
+
     fn shape(&self) -> Result<Shape, Error> {
         match (&self.shape, self.terms.as_slice()) {
             (Some(shape), _) => Ok(shape.clone()),
@@ -99,6 +103,22 @@ impl Integrand for Group<'_> {
             }),
         }
     }
+}
+
+/// Writes the values of a weighted sum.
+pub(super) fn weighted_sum_into<'a>(
+    terms: impl IntoIterator<Item = Term<'a>>,
+    dirs: &[DVec3],
+    values: &mut [f64],
+) -> Result<(), Error> {
+    // The initial value of a floating-point sum.
+    values.fill(-0.0);
+    let mut of_term = vec![0.0; values.len()];
+    for (weight, term) in terms {
+        term.eval_into(dirs, &mut of_term)?;
+        values.iter_mut().zip(&of_term).for_each(|(sum, value)| *sum += weight * value);
+    }
+    Ok(())
 }
 
 /// Returns the coefficients of a weighted sum.

@@ -1,6 +1,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::Error;
+use glam::DVec3;
+
+use crate::{Error, Integrand};
 
 /// Writes the values of a function at many points; `place` describes a point.
 ///
@@ -33,4 +35,16 @@ pub(crate) fn finite_values<P: Copy>(
         Some((point, value)) => Err(invalid(Some(point), &format!("is {value}"))),
         None => Ok(()),
     }
+}
+
+/// [`finite_values`] of an integrand.
+pub(crate) fn finite_values_at(
+    function: &dyn Integrand,
+    dirs: &[DVec3],
+    values: &mut [f64],
+) -> Result<(), Error> {
+    let eval_into = |dirs: &[DVec3], values: &mut [f64]| function.eval_into(dirs, values);
+    finite_values(dirs, values, eval_into, |dir| {
+        format!("x = {}, y = {}, z = {}", dir.x, dir.y, dir.z)
+    })
 }

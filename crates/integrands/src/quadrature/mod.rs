@@ -20,7 +20,7 @@ use crate::{Coefficients, Error};
 pub(crate) use adaptive::{AdaptiveCells, Cell, Patch, PatchNode};
 pub(crate) use doubling::{Estimate, FIRST_NODES, doubled};
 pub(crate) use estimates::{Estimates, MAX_FEATURE_DEGREE, exact_energy};
-pub(crate) use finite_values::finite_values;
+pub(crate) use finite_values::{finite_values, finite_values_at};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
 

@@ -7,7 +7,7 @@ use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::{Alm, ByParity, Colatitude, Domain, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
-use super::{Sum, finite_values, weighted_kurtosis};
+use super::{Sum, finite_values_at, weighted_kurtosis};
 use crate::{Error, Integrand};
 
 /// The number of values that are requested together.
@@ -81,7 +81,7 @@ impl ProductRule {
         for (i, batch) in values.chunks_mut(rings_per_batch * width).enumerate() {
             let first = i * rings_per_batch;
             let dirs = self.directions(first..first + batch.len() / width);
-            values_into(function, &dirs, batch)?;
+            finite_values_at(function, &dirs, batch)?;
         }
         let largest = values.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
         let weight = |i: usize| self.rings[i / width].1 * TAU / width as f64;
@@ -170,12 +170,4 @@ impl ProductRule {
         }
         Ok(energies)
     }
-}
-
-/// Writes the values at many directions, all of which must be finite.
-fn values_into(function: &dyn Integrand, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-    let eval_into = |dirs: &[DVec3], values: &mut [f64]| function.eval_into(dirs, values);
-    finite_values(dirs, values, eval_into, |dir| {
-        format!("x = {}, y = {}, z = {}", dir.x, dir.y, dir.z)
-    })
 }
