@@ -6,12 +6,14 @@
 
 mod arrays;
 mod fits;
+mod integration;
 mod parsing;
 mod spectra;
 
 use std::ffi::OsString;
 use std::fmt;
 
+pub use self::integration::Integration;
 pub use self::spectra::SpectrumAnswer;
 use crate::args::Command;
 pub use crate::commands::healpix::{angles_of_degrees, degrees_of_angles, rounded_colatitude};
@@ -124,12 +126,18 @@ impl Session {
         let run = self.run(words);
         global.session = run.clone();
         let result = task(command, &global);
-        // Stopped work is unfinished also where a command reports parts of it as unavailable.
-        if run.is_stopped() {
+        run.check_stopped()?;
+        result.map_err(|error| Failure::of_run(error, &run))
+    }
+
+    /// Returns the failure of stopped work, which is unfinished also where a command reports parts of
+    /// it as unavailable.
+    fn check_stopped(&self) -> Result<(), Failure> {
+        if self.is_stopped() {
             let message = sphvar_samplers::Stopped.to_string();
             return Err(Failure { kind: FailureKind::Stopped, message });
         }
-        result.map_err(|error| Failure::of_run(error, &run))
+        Ok(())
     }
 }
 

@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
-    Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters,
-    ImageParameters, Integrand, IntegrandResolver, Interpolation, SquareExpression, SquareImage,
-    Term, ValuesParameters,
+    Error, Expansion, Expression, FittedFunction, FunctionParameters, HealpixMap,
+    HealpixMapParameters, ImageParameters, Integrand, IntegrandResolver, Interpolation, NoFiles,
+    SharedFunction, SquareExpression, SquareImage, Term, ValuesParameters,
 };
 use sphvar_samplers::Domain;
 use sphvar_warps::DensityMap;
@@ -236,6 +236,13 @@ impl IntegrandResolver for IntegrandFiles<'_> {
 
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
         values::fit(wanted, self.session, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+    }
+
+    fn function(&self, wanted: &FunctionParameters) -> Result<Box<dyn Integrand>, ResolveError> {
+        match self.session.given.function(Path::new(&wanted.name)) {
+            Some(function) => Ok(Box::new(SharedFunction::from(function))),
+            None => NoFiles.function(wanted),
+        }
     }
 
     fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::Pattern;
-use sphvar_variance::{Integral, IntegrationOptions, StopReason, integrate};
+use sphvar_integrands::VectorIntegrand;
+use sphvar_samplers::{Domain, Pattern, PointSet};
+use sphvar_variance::{Integral, IntegrationOptions, StopReason, integrate, integrate_vector};
 
 use super::weights::check_weighted_points;
 use crate::counts::{parse_number, parse_one_count};
@@ -109,65 +110,108 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
             ));
         }
     }
-    let integrand = parse_integrand(args.integrand.required()?, &global.session)?;
-    let pattern = match args.sampler.sampler.as_deref() {
-        Some(text) => parse_pattern(text, &global.session)?,
-        None => Pattern::FIBONACCI,
-    };
-    let base = IntegrationOptions::default();
-    let options = IntegrationOptions {
-        rtol: args.rtol.unwrap_or(if args.atol.is_some() { 0.0 } else { base.rtol }),
-        atol: args.atol.unwrap_or(base.atol),
-        max_points: args.max_points as u64,
-        pattern: &pattern,
-        domain: args.domain.domain(),
-        seed: global.seed,
-        ..base
-    };
-    // The sets of the last level have at most half of all evaluations.
-    let largest = args.max_points as f64 / 2.0 / 16.0;
-    let in_memory = rayon::current_num_threads().min(16) as f64;
-    check_memory("--max-points", BYTES_PER_POINT * largest * in_memory)?;
-    let progress = Progress::new(0.0, &global.session);
-    progress.stage(&pattern.label());
-    let start = Instant::now();
-    let integral = integrate(&*integrand.function, &options, &progress).map_err(of_options)?;
-    let seconds = start.elapsed().as_secs_f64();
-    drop(progress);
-    let provenance = Provenance::new(&global.session, global.seed);
+    let integrated = Integrated::new(args, global, None)?;
+    let Integrated { body, provenance, failure, .. } = &integrated;
     let to_stdout = args.nodes.as_deref().is_some_and(is_stdout);
     if let Some(path) = args.nodes.as_deref() {
-        let nodes = options.nodes(integral.n_points)?;
-        write_points(path, None, &[nodes], Some(&provenance.line()))?;
+        write_points(path, None, &[integrated.nodes()?], Some(&provenance.line()))?;
     }
-    let exact = integrand.function.exact(options.domain);
-    let outcome = Outcome::new(&integral, exact, &options);
-    let body = IntegrateBody {
-        integrand: integrand.name,
-        sampler: pattern.to_string(),
-        value: integral.value(),
-        error: Some(integral.error()).filter(|error| error.is_finite()),
-        exact,
-        converged: outcome.is_met,
-        stop: word(integral.stop),
-        remarks: outcome.remarks,
-        rtol: options.rtol,
-        atol: options.atol,
-        n: integral.n_points,
-        copies: integral.copies,
-        evaluations: integral.evaluations,
-        seconds,
-    };
     if global.json {
-        Document::new(&body, &provenance).print(&global.session)?;
+        Document::new(body, provenance).print(&global.session)?;
     } else if !to_stdout {
         global.session.print(&body.text())?;
     }
     body.remarks.iter().for_each(|remark| global.session.say(remark));
-    if body.converged {
-        return Ok(());
+    failure.clone().map_or(Ok(()), |failure| Err(CliError::Failed(failure)))
+}
+
+/// An integration that has ended.
+pub(crate) struct Integrated {
+    pub(crate) integral: Integral,
+    pub(crate) body: IntegrateBody,
+    pub(crate) provenance: Provenance,
+    /// Why the tolerance is not met, if it is not.
+    pub(crate) failure: Option<String>,
+    pattern: Pattern,
+    domain: Domain,
+    seed: u64,
+}
+
+impl Integrated {
+    /// Integrates the integrand of the arguments, or the function `vector` in place of it.
+    pub(crate) fn new(
+        args: &IntegrateArgs,
+        global: &Global,
+        vector: Option<&dyn VectorIntegrand>,
+    ) -> Result<Self, CliError> {
+        let text = args.integrand.required()?;
+        let integrand = match vector {
+            None => Some(parse_integrand(text, &global.session)?),
+            Some(_) => None,
+        };
+        let pattern = match args.sampler.sampler.as_deref() {
+            Some(text) => parse_pattern(text, &global.session)?,
+            None => Pattern::FIBONACCI,
+        };
+        let base = IntegrationOptions::default();
+        let options = IntegrationOptions {
+            rtol: args.rtol.unwrap_or(if args.atol.is_some() { 0.0 } else { base.rtol }),
+            atol: args.atol.unwrap_or(base.atol),
+            max_points: args.max_points as u64,
+            pattern: &pattern,
+            domain: args.domain.domain(),
+            seed: global.seed,
+            ..base
+        };
+        // The sets of the last level have at most half of all evaluations.
+        let largest = args.max_points as f64 / 2.0 / 16.0;
+        let in_memory = rayon::current_num_threads().min(16) as f64;
+        check_memory("--max-points", BYTES_PER_POINT * largest * in_memory)?;
+        let progress = Progress::new(0.0, &global.session);
+        progress.stage(&pattern.label());
+        let start = Instant::now();
+        let integral = match (&integrand, vector) {
+            (Some(integrand), _) => integrate(&*integrand.function, &options, &progress),
+            (None, Some(vector)) => integrate_vector(vector, &options, &progress),
+            (None, None) => return Err(CliError::Usage("no integrand is given".to_owned())),
+        };
+        let integral = integral.map_err(of_options)?;
+        let seconds = start.elapsed().as_secs_f64();
+        drop(progress);
+        let exact = integrand.as_ref().and_then(|known| known.function.exact(options.domain));
+        let outcome = Outcome::new(&integral, exact, &options);
+        let body = IntegrateBody {
+            integrand: integrand.map_or_else(|| text.to_owned(), |integrand| integrand.name),
+            sampler: pattern.to_string(),
+            value: integral.value(),
+            error: Some(integral.error()).filter(|error| error.is_finite()),
+            exact,
+            converged: outcome.is_met,
+            stop: word(integral.stop),
+            remarks: outcome.remarks,
+            rtol: options.rtol,
+            atol: options.atol,
+            n: integral.n_points,
+            copies: integral.copies,
+            evaluations: integral.evaluations,
+            seconds,
+        };
+        let failure = (!outcome.is_met).then(|| failure(&integral, &pattern, args));
+        let (domain, seed) = (options.domain, options.seed);
+        let provenance = Provenance::new(&global.session, global.seed);
+        Ok(Self { integral, body, provenance, failure, pattern, domain, seed })
     }
-    Err(CliError::Failed(failure(&integral, &pattern, args)))
+
+    /// Returns the nodes with their weights.
+    pub(crate) fn nodes(&self) -> Result<PointSet, CliError> {
+        let options = IntegrationOptions {
+            pattern: &self.pattern,
+            domain: self.domain,
+            seed: self.seed,
+            ..IntegrationOptions::default()
+        };
+        Ok(options.nodes(self.integral.n_points)?)
+    }
 }
 
 /// Whether a result meets the tolerance, and what limits its validity.
@@ -187,7 +231,7 @@ impl Outcome {
                 "all {evaluations} values are equal, so the error is unknown: features on less than {share} of the \
                  domain may be missed"
             ));
-        } else if error.is_nan() {
+        } else if integral.estimates.iter().any(|estimate| estimate.error.is_nan()) {
             remarks.push(format!(
                 "the error is unknown: too few of {evaluations} values contribute to the variance, as for features \
                  that few points hit"

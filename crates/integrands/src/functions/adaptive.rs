@@ -196,8 +196,8 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
     }
 
     fn shape(&self) -> Result<Shape, Error> {
-        let reason = "its values do not resolve it, so its energies are estimates; build the sum or \
-                      product as one `AdaptiveFunction`, or declare its edges";
+        let reason = "its values do not resolve it, so its energies are estimates; declare its degree \
+                      and its edges";
         self.degree().map(Shape::smooth).ok_or(Error::NoEnergy { reason })
     }
 

@@ -62,7 +62,7 @@ impl Integrand for ProjectedCoefficient<'_> {
     /// Computed from values on a grid: features smaller than a degree may be missed.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         check_domain(domain).ok()?;
-        let grid = self.projection.grid();
+        let grid = self.projection.grid()?;
         let values: Vec<(f64, f64)> =
             grid.iter().map(|&(dir, weight, f)| (weight, f * self.harmonic(dir))).collect();
         quadrature::weighted_kurtosis(|| values.iter().copied())

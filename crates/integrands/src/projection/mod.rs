@@ -61,7 +61,7 @@ pub struct HarmonicProjection<'a> {
     energies: Mutex<BTreeMap<usize, Arc<Vec<Vec<f64>>>>>,
     centred: OnceLock<Result<Vec<ByParity>, Error>>,
     /// Values of the function for kurtoses.
-    grid: OnceLock<Vec<(DVec3, f64, f64)>>,
+    grid: OnceLock<Option<Vec<(DVec3, f64, f64)>>>,
 }
 
 impl std::fmt::Debug for HarmonicProjection<'_> {
@@ -247,19 +247,23 @@ impl<'a> HarmonicProjection<'a> {
     }
 
     /// Returns directions with weights and the values of the function, for kurtoses: features
-    /// smaller than a degree may be missed.
-    fn grid(&self) -> &[(DVec3, f64, f64)] {
+    /// smaller than a degree may be missed. Without values there is no grid.
+    fn grid(&self) -> Option<&[(DVec3, f64, f64)]> {
         const ROWS: usize = 192;
-        self.grid.get_or_init(|| {
+        let grid = self.grid.get_or_init(|| {
             let angle = |k: usize| PI * (k as f64 + 0.5) / ROWS as f64;
             let rows = (0..ROWS).flat_map(|i| (0..2 * ROWS).map(move |j| (i, j)));
             let cells = rows.map(|(i, j)| {
                 let ((st, ct), (sp, cp)) = (angle(i).sin_cos(), angle(j).sin_cos());
-                let dir = DVec3::new(st * cp, st * sp, ct);
-                (dir, st, self.function.eval(dir))
+                (DVec3::new(st * cp, st * sp, ct), st)
             });
-            cells.collect()
-        })
+            let (dirs, weights): (Vec<DVec3>, Vec<f64>) = cells.unzip();
+            let mut values = vec![0.0; dirs.len()];
+            self.function.eval_into(&dirs, &mut values).ok()?;
+            let nodes = dirs.into_iter().zip(weights).zip(values);
+            Some(nodes.map(|((dir, weight), value)| (dir, weight, value)).collect())
+        });
+        grid.as_deref()
     }
 
     /// Returns an [`Energy`] from sums over the components with weights.

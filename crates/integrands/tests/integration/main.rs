@@ -14,6 +14,6 @@ mod pictures;
 mod products;
 mod projections;
 mod random_fields;
-mod supplied_functions;
 mod square;
+mod supplied_functions;
 mod warps;

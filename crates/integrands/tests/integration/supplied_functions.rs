@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use sphvar_integrands::grammar::ResolveError;
 use sphvar_integrands::{
-    DeferredFunction, Domain, Error, Expression, FunctionParameters, Integrand,
-    IntegrandResolver, NoFiles, SampledFunction, SharedFunction, Term, Tolerance,
+    DeferredFunction, Domain, Error, Expression, FunctionParameters, Integrand, IntegrandResolver,
+    NoFiles, SampledFunction, SharedFunction, Term, Tolerance,
 };
 
 /// A function of batches that counts its values; those beyond a limit are unavailable.
@@ -105,7 +105,10 @@ fn expressions_with_supplied_functions_are_those_with_built_in_ones() {
         ("2 * function:wave @ 30/40 - cosine", "2 * ylm:l=2 @ 30/40 - cosine"),
         ("function:wave * vmf:kappa=9 @ 50/0", "ylm:l=2 * vmf:kappa=9 @ 50/0"),
         ("function:wave * function:given", "ylm:l=2 * ylm:l=2"),
-        ("filtered:fwhm=20,of=\"function:wave + cosine\"", "filtered:fwhm=20,of=\"ylm:l=2 + cosine\""),
+        (
+            "filtered:fwhm=20,of=\"function:wave + cosine\"",
+            "filtered:fwhm=20,of=\"ylm:l=2 + cosine\"",
+        ),
         ("function:kink", "cosine"),
         ("function:kink @ 70/20", "cosine @ 70/20"),
         ("function:kink * ylm:l=2 @ 40/0", "cosine * ylm:l=2 @ 40/0"),
@@ -165,7 +168,8 @@ fn functions_above_the_equator_are_not_evaluated_below() {
 fn errors_of_evaluation_are_carried() {
     for max in [0, 20_000] {
         let function = Counted { max, ..Counted::new(clamped_cosine) };
-        let sampled = || SampledFunction::new(Counted { count: Arc::default(), ..function.clone() }, 200);
+        let sampled =
+            || SampledFunction::new(Counted { count: Arc::default(), ..function.clone() }, 200);
         let deferred = DeferredFunction::new(function.clone(), Tolerance::default()).unwrap();
         let resolver = Functions(vec![
             ("a", SharedFunction::new(sampled())),
