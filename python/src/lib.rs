@@ -8,6 +8,8 @@ mod spectrum;
 mod transforms;
 mod healpix;
 mod sampler;
+mod function;
+mod session;
 mod work;
 
 use pyo3::prelude::*;
@@ -20,5 +22,6 @@ fn _sphvar(module: &Bound<'_, PyModule>) -> PyResult<()> {
     transforms::register(module)?;
     healpix::register(module)?;
     sampler::register(module)?;
+    session::register(module)?;
     work::register(module)
 }
