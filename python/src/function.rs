@@ -108,7 +108,8 @@ impl Function {
                 };
                 let place = place(dirs[at / width]);
                 let name = &self.name;
-                let message = format!("{name} returned {value} at {place}: every value must be finite");
+                let message =
+                    format!("{name} returned {value} at {place}: every value must be finite");
                 Err(value_error(message))
             }
         }
@@ -145,8 +146,8 @@ impl Function {
         self.callable.bind(py).call1((points,))
     }
 
-    /// Returns the exception of a call with a note on the first direction that raises it alone. That
-    /// of a function of a single direction says what is expected.
+    /// Returns the exception of a call with a note on the first direction that raises it alone, or
+    /// for a function of a single direction the error that names the expected form.
     fn explained(&self, py: Python<'_>, dirs: &[DVec3], error: PyErr) -> PyErr {
         if !error.is_instance_of::<PyException>(py) {
             return error;
@@ -171,7 +172,10 @@ impl Function {
             (_, []) => return error,
             (_, [dir, ..]) => {
                 let n = dirs.len();
-                format!("sphvar: {name} was called with {n} directions, the first at {}", place(*dir))
+                format!(
+                    "sphvar: {name} was called with {n} directions, the first at {}",
+                    place(*dir)
+                )
             }
         };
         // Exceptions have notes from CPython 3.11 on.
@@ -205,7 +209,8 @@ impl Function {
             Some(components) => format!("({n}, {components})"),
             None => format!("({n},)"),
         };
-        let got = format!("returned shape ({shape}{comma}) for {n} directions, expected {expected}");
+        let got =
+            format!("returned shape ({shape}{comma}) for {n} directions, expected {expected}");
         if self.takes_single(py, dirs) {
             return self.not_vectorized(&got);
         }

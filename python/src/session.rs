@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, PoisonError, RwLock};
 
-use numpy::{
-    Complex64, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
-};
+use numpy::{Complex64, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use sphvar::glam::DVec3;
@@ -234,9 +232,8 @@ impl Session {
         hemisphere: bool,
     ) -> PyResult<(Bound<'py, PyAny>, Option<Bound<'py, PyAny>>)> {
         let domain = domain(hemisphere);
-        let energy = self.run(py, move |session| {
-            session.energy(&integrand, domain, lmax).map_err(of_failure)
-        })?;
+        let energy = self
+            .run(py, move |session| session.energy(&integrand, domain, lmax).map_err(of_failure))?;
         let errors = energy.per_band_stderr().map(|errors| of_floats(py, errors).into_any());
         Ok((of_floats(py, energy.per_band()).into_any(), errors))
     }

@@ -34,7 +34,8 @@
 //! A pattern of your own is a closure ([`FnPattern`](samplers::FnPattern)) or an implementation of
 //! [`Sampler`](samplers::Sampler), as in the example `own_pattern`; an integrand is a closure too
 //! ([`AdaptiveFunction`](integrands::AdaptiveFunction), or
-//! [`SampledFunction`](integrands::SampledFunction) where its degree or its edges are known).
+//! [`SampledFunction`](integrands::SampledFunction) where its degree or its edges are known). Expressions
+//! can name functions of your own: see [`IntegrandResolver`](integrands::IntegrandResolver::function).
 //!
 //! # Features
 //!
