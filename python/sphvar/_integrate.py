@@ -52,9 +52,20 @@ class Integral(Result):
         "evaluations",
     )
 
-    def __init__(self, document: Mapping[str, Any], nodes: _Nodes, weights: _Nodes) -> None:
+    def __init__(self, document: Mapping[str, Any], found: _sphvar.Integral) -> None:
         super().__init__(document)
-        self._nodes, self._weights = nodes, weights
+        #: What gives the nodes, until they are needed.
+        self._found: _sphvar.Integral | None = found
+        self._rule: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+
+    def _nodes_and_weights(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        if self._rule is None:
+            assert self._found is not None, "a result has what gives its nodes, or the nodes"
+            self._rule = self._found.nodes()
+        return self._rule
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_document": self._document, "_rule": self._nodes_and_weights(), "_found": None}
 
     @property
     def nodes(self) -> NDArray[np.float64]:
@@ -68,7 +79,7 @@ class Integral(Result):
         >>> bool(np.isclose(integral.weights @ f(integral.nodes), integral.value, rtol=1e-13))
         True
         """
-        return self._nodes
+        return self._nodes_and_weights()[0]
 
     @property
     def weights(self) -> NDArray[np.float64]:
@@ -80,13 +91,10 @@ class Integral(Result):
         >>> bool(np.isclose(sphvar.integrate("cosine").weights.sum(), 4 * np.pi))
         True
         """
-        return self._weights
+        return self._nodes_and_weights()[1]
 
     def __float__(self) -> float:
         return float(self.value)
-
-
-_Nodes = NDArray[np.float64]
 
 
 @checked
@@ -179,22 +187,21 @@ def integrate(
         warn(found.failure)
     for remark in body["remarks"]:
         warn(remark)
-    return Integral(body, *found.nodes())
+    return Integral(body, found)
 
 
 def _values(
     session: _sphvar.Session, integrand: IntegrandLike, inputs: Inputs
 ) -> tuple[str, Any, str | None]:
     """Return the text of an integrand of which values suffice, and a callable of several values."""
-    function = integrand
-    if callable(function) and not isinstance(function, (str, Given)):
-        function = Function(function)
-    if not isinstance(function, Function) or function.degree is not None:
-        return inputs.integrand(integrand), None, None
+    if callable(integrand) and not isinstance(integrand, Given):
+        integrand = Function(integrand)
+    if not isinstance(integrand, Function) or integrand.degree is not None:
+        return add_integrand(session, integrand, inputs.name, energies=False), None, None
     name = inputs.name("function")
-    components = session.add_values_function(name, function.function, function.name)
+    components = session.add_values_function(name, integrand.function, integrand.name)
     text = f"function:{name}"
-    return (text, None, None) if components is None else (text, function.function, function.name)
+    return (text, None, None) if components is None else (text, integrand.function, integrand.name)
 
 
 def evaluate(integrand: IntegrandLike, points: ArrayLike) -> NDArray[np.float64]:
@@ -219,7 +226,8 @@ def evaluate(integrand: IntegrandLike, points: ArrayLike) -> NDArray[np.float64]
     array([2. , 1.6, 0. ])
     """
     session = _sphvar.Session()
-    text = Inputs(session, [integrand]).integrand(integrand)
+    inputs = Inputs(session, [integrand])
+    text = add_integrand(session, integrand, inputs.name, energies=False)
     return session.evaluate(text, points)
 
 

@@ -56,10 +56,9 @@ impl Function {
             let kind = callable.get_type().name()?;
             return Err(PyTypeError::new_err(format!("{name}: expected a callable, got {kind}")));
         }
-        let callable = callable.clone().unbind();
-        let function = Self { callable, name, components: None, failures };
-        let py_function = |py: Python<'_>| function.components_of(py);
-        let components = Python::attach(py_function)?;
+        let py = callable.py();
+        let function = Self { callable: callable.clone().unbind(), name, components: None, failures };
+        let components = function.components_of(py)?;
         Ok(Self { components, ..function })
     }
 
