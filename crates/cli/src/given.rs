@@ -11,7 +11,7 @@ use sphvar_integrands::Integrand;
 use sphvar_samplers::ProfileTable;
 use sphvar_sh::Alm;
 
-use crate::files::{FitsMap, PictureArray};
+use crate::files::{FitsMap, PictureArray, SpectrumRow};
 use crate::session::lock;
 
 pub use self::points::PointTable;
@@ -37,6 +37,7 @@ struct Tables {
     coefficients: BTreeMap<String, Arc<Alm>>,
     energies: BTreeMap<String, Arc<EnergyArray>>,
     profiles: BTreeMap<String, Arc<ProfileTable>>,
+    spectra: BTreeMap<String, Arc<[SpectrumRow]>>,
     functions: BTreeMap<String, GivenFunction>,
 }
 
@@ -60,6 +61,7 @@ impl Given {
     kind!(add_coefficients, coefficients, coefficients, Arc<Alm>);
     kind!(add_energies, energies, energies, Arc<EnergyArray>);
     kind!(add_profile, profile, profiles, Arc<ProfileTable>);
+    kind!(add_spectrum, spectrum, spectra, Arc<[SpectrumRow]>);
     kind!(add_function, function, functions, GivenFunction);
 
     /// Returns whether a message on the content of an input is about one of the arrays: it starts
@@ -68,8 +70,8 @@ impl Given {
         let tables = lock(&self.0);
         let names = tables.points.keys().chain(tables.pictures.keys()).chain(tables.maps.keys());
         let names = names.chain(tables.coefficients.keys()).chain(tables.energies.keys());
-        let mut names = names.chain(tables.profiles.keys()).chain(tables.functions.keys());
-        names.any(|name| {
+        let names = names.chain(tables.profiles.keys()).chain(tables.functions.keys());
+        names.chain(tables.spectra.keys()).any(|name| {
             let rest = message.strip_prefix(name.as_str());
             rest.is_some_and(|rest| rest.starts_with([':', '[', ' ']))
         })

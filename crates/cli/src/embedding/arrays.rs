@@ -7,7 +7,7 @@ use sphvar_integrands::Integrand;
 use sphvar_samplers::ProfileTable;
 
 use super::{Failure, PointTable};
-use crate::files::{FitsMap, PictureArray, alm_of_array};
+use crate::files::{FitsMap, PictureArray, SpectrumRow, alm_of_array};
 use crate::given::EnergyArray;
 use crate::session::Session;
 
@@ -96,6 +96,42 @@ impl Session {
     /// Makes a spectral profile or pair correlation available as `profile:NAME` in samplers.
     pub fn add_profile(&self, name: &str, profile: ProfileTable) {
         self.given.add_profile(name, Arc::new(profile));
+    }
+
+    /// Makes a spectrum available as `--spectrum NAME`: powers by degree from 0, their standard
+    /// errors, 0 where a power is exact, and the number of realizations, 0 if it is unknown.
+    ///
+    /// # Errors
+    ///
+    /// If there are no powers, the standard errors are not as many, or a number is negative or not
+    /// finite.
+    pub fn add_spectrum(
+        &self,
+        name: &str,
+        power: &[f64],
+        stderr: &[f64],
+        realizations: u64,
+    ) -> Result<(), Failure> {
+        let (powers, errors) = (power.len(), stderr.len());
+        if powers == 0 || powers != errors {
+            return Err(Failure::usage(format!(
+                "{name}: expected a power and a standard error for each degree from 0, got \
+                 {powers} and {errors}"
+            )));
+        }
+        let mut rows = Vec::with_capacity(powers);
+        for (l, (&value, &stderr)) in power.iter().zip(stderr).enumerate() {
+            let is_valid = |number: f64| number.is_finite() && number >= 0.0;
+            if !is_valid(value) || !is_valid(stderr) {
+                return Err(Failure::usage(format!(
+                    "{name}: degree {l} has the power {value} with the standard error {stderr}; \
+                     both must be finite and at least 0"
+                )));
+            }
+            rows.push(SpectrumRow { l, value, stderr, realizations });
+        }
+        self.given.add_spectrum(name, rows.into());
+        Ok(())
     }
 
     /// Makes a function available as `function:NAME` in integrands.

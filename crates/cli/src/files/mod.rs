@@ -56,6 +56,6 @@ pub(crate) use regular::{read_regular, write_regular};
 pub use rotations::RotationFormat;
 pub(crate) use rotations::{RotationFile, write_rotations};
 pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
-pub(crate) use spectra::read_spectrum;
+pub(crate) use spectra::{SpectrumRow, read_spectrum};
 pub(crate) use target::{is_stdout, is_stream};
 pub(crate) use used_files::record_used_files;

@@ -9,9 +9,9 @@ use sphvar_sh::Alm;
 
 use crate::error::CliError;
 use crate::files::{
-    EnergyFile, FilePoint, FitsField, FitsMap, HduChoice, PointFile, ReadOptions,
+    EnergyFile, FilePoint, FitsField, FitsMap, HduChoice, PointFile, ReadOptions, SpectrumRow,
     energies_of_array, point_files, points_of_array, read_alm, read_energies, read_fits_map,
-    read_points, read_profile,
+    read_points, read_profile, read_spectrum,
 };
 use crate::session::Session;
 
@@ -45,6 +45,14 @@ impl Session {
         match self.given.profile(path) {
             Some(profile) => Ok((*profile).clone()),
             None => Ok(read_profile(path)?),
+        }
+    }
+
+    /// Returns the degrees of the spectrum of an input.
+    pub(crate) fn read_spectrum(&self, path: &Path) -> Result<Vec<SpectrumRow>, CliError> {
+        match self.given.spectrum(path) {
+            Some(rows) => Ok(rows.to_vec()),
+            None => Ok(read_spectrum(path)?),
         }
     }
 

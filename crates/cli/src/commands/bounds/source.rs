@@ -13,7 +13,7 @@ use sphvar_variance::{Prediction, PredictionBudget, Predictor, SpectrumOptions};
 
 use super::BoundsArgs;
 use crate::error::CliError;
-use crate::files::read_spectrum;
+use crate::files::SpectrumRow;
 use crate::flags::LATTICE_FACTOR;
 use crate::global::Global;
 use crate::integrands::NamedIntegrand;
@@ -53,7 +53,10 @@ impl Measured {
         global: &Global,
     ) -> Result<Option<Self>, CliError> {
         match (&args.spectrum, &args.sampler.sampler) {
-            (Some(path), _) => Self::from_file(path, args.count.count, domain).map(Some),
+            (Some(path), _) => {
+                let rows = global.session.read_spectrum(path)?;
+                Self::from_rows(path, rows, args.count.count, domain).map(Some)
+            }
             (None, Some(name)) => Self::from_sampler(name, args, domain, global).map(Some),
             (None, None) => Ok(None),
         }
@@ -107,8 +110,13 @@ impl Measured {
         })
     }
 
-    fn from_file(path: &Path, points: Option<usize>, domain: Domain) -> Result<Self, CliError> {
-        let rows = read_spectrum(path)?;
+    /// Returns the spectrum of the input with these degrees.
+    fn from_rows(
+        path: &Path,
+        rows: Vec<SpectrumRow>,
+        points: Option<usize>,
+        domain: Domain,
+    ) -> Result<Self, CliError> {
         let lmax = rows.iter().map(|r| r.l).max().unwrap_or(0);
         let realizations = rows.iter().map(|r| r.realizations).min().unwrap_or(0);
         let (mut power, mut stderr) = (vec![f64::NAN; lmax + 1], vec![0.0; lmax + 1]);
