@@ -196,7 +196,7 @@ class Table(Result, Sequence[Row]):
         return pandas.DataFrame(self.rows)
 
     def _attribute(self, name: str) -> Any:
-        if name != self._rows_key and name in self._document:
+        if name in self._document:
             return self._document[name]
         try:
             return self.column(name)
@@ -1285,7 +1285,8 @@ def _array(entries: list[Any]) -> NDArray[Any]:
         if len(present) == len(entries):
             return np.array(entries, dtype=np.bool_)
     elif all(_is_number(entry) for entry in present):
-        if len(present) == len(entries) and all(isinstance(entry, int) for entry in present):
+        is_whole = len(present) == len(entries) and all(isinstance(x, int) for x in present)
+        if present and is_whole:
             return np.array(entries, dtype=np.int64)
         return np.array([np.nan if entry is None else entry for entry in entries], np.float64)
     elif all(isinstance(entry, list) for entry in present):
