@@ -84,7 +84,16 @@ class Sampler:
     True
     """
 
-    __slots__ = ("_given", "_native", "_options", "_params", "_position", "_spec", "_weights")
+    __slots__ = (
+        "_given",
+        "_native",
+        "_options",
+        "_position",
+        "_requested",
+        "_seed",
+        "_spec",
+        "_weights",
+    )
 
     def __init__(
         self,
@@ -105,9 +114,9 @@ class Sampler:
             raise ValueError("rotate does not apply to square; use shift")
         if shift and not square:
             raise ValueError("shift requires square; use rotate for directions")
+        self._requested = None if n is None else operator.index(n)
+        self._seed = _seed(seed)
         self._options = {
-            "n": None if n is None else operator.index(n),
-            "seed": _seed(seed),
             "hemisphere": bool(hemisphere),
             "square": bool(square),
             "rotate": bool(rotate),
@@ -134,8 +143,8 @@ class Sampler:
         self._native = _sphvar.NumberedSets(
             "square" if options["square"] else "directions",
             self._spec,
-            _count(options["n"]),
-            options["seed"],
+            _count(self._requested),
+            self._seed,
             options["hemisphere"],
             options["rotate"] or options["shift"],
             options["nearest"],
@@ -176,23 +185,22 @@ class Sampler:
     @property
     def seed(self) -> int:
         """The seed of all random numbers."""
-        seed: int = self._options["seed"]
-        return seed
+        return self._seed
 
     @property
     def hemisphere(self) -> bool:
         """Whether the points are those of the hemisphere z >= 0."""
-        return bool(self._options["hemisphere"])
+        return self._options["hemisphere"]
 
     @property
     def square(self) -> bool:
         """Whether the points are those of the unit square."""
-        return bool(self._options["square"])
+        return self._options["square"]
 
     @property
     def rotate(self) -> bool:
         """Whether every set has an independent uniform random rotation."""
-        return bool(self._options["rotate"])
+        return self._options["rotate"]
 
     @property
     def position(self) -> int:
@@ -342,7 +350,8 @@ class Sampler:
         return self.__copy__()
 
     def __getstate__(self) -> dict[str, Any]:
-        slots = ("_given", "_options", "_position", "_spec", "_weights")
+        # The native sets are made anew.
+        slots = [slot for slot in Sampler.__slots__ if slot != "_native"]
         return {slot: getattr(self, slot) for slot in slots}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

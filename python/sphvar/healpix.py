@@ -63,7 +63,9 @@ def vec2pix(nside: ArrayLike, x: ArrayLike, y: ArrayLike, z: ArrayLike, nest: bo
     >>> healpix.vec2pix(16, [1, 0, 0], [0, 1, 0], [0, 0, 1]).tolist()
     [1504, 1520, 0]
     """
-    return _of_nside(lambda nside, *rest: _healpix.vec2pix(nside, *rest, nest), nside, x, y, z)
+    return _of_nside(
+        lambda nside, x, y, z: _healpix.vec2pix(nside, x, y, z, nest), nside, x, y, z
+    )
 
 
 def pix2vec(nside: ArrayLike, ipix: ArrayLike, nest: bool = False) -> tuple[Any, Any, Any]:
@@ -133,7 +135,10 @@ def ang2pix(
     80747
     """
     return _of_nside(
-        lambda nside, *angles: _healpix.ang2pix(nside, *angles, nest, lonlat), nside, theta, phi
+        lambda nside, first, second: _healpix.ang2pix(nside, first, second, nest, lonlat),
+        nside,
+        theta,
+        phi,
     )
 
 
