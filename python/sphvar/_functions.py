@@ -107,7 +107,7 @@ class Function:
         #: The degree, or None where it is found.
         self.degree = degree
         self._edges = None if edges is None else [_edge(axis, angle) for axis, angle in edges]
-        self._found = {key: value for key, value in found.items() if value is not None}
+        self._found: dict[str, Any] = {k: value for k, value in found.items() if value is not None}
 
     def __call__(self, points: NDArray[np.float64]) -> ArrayLike:
         """Return the values of the callable."""
@@ -426,9 +426,8 @@ def _text(
 ) -> str:
     if isinstance(value, str):
         return value
-    if not isinstance(value, Given):
-        value = _wrapped(value, label)
-    return value._add(session, name, energies)
+    given = value if isinstance(value, Given) else _wrapped(value, label)
+    return given._add(session, name, energies)
 
 
 def _wrapped(value: Any, label: str | None) -> Given:

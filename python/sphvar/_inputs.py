@@ -20,8 +20,9 @@ from ._sampler import Sampler
 SamplerLike: TypeAlias = Union[str, Sampler, ArrayLike, tuple[ArrayLike, ArrayLike]]
 
 #: One or several samplers: a list of them, a text with commas, or a dictionary of them by labels,
-#: which stand for the samplers in results.
-SamplersLike: TypeAlias = Union[SamplerLike, Sequence[SamplerLike], Mapping[str, SamplerLike]]
+#: which stand for the samplers in results. Items of a list are not typed, because type checkers take
+#: lists of texts and arrays for lists of objects.
+SamplersLike: TypeAlias = Union[SamplerLike, Sequence[Any], Mapping[str, SamplerLike]]
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 

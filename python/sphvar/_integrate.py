@@ -52,6 +52,16 @@ class Integral(Result):
         "evaluations",
     )
 
+    value: Any
+    error: Any
+    exact: float | None
+    converged: bool
+    message: str | None
+    stop: str
+    n: int
+    copies: int
+    evaluations: int
+
     def __init__(self, document: Mapping[str, Any], found: _sphvar.Integral) -> None:
         super().__init__(document)
         #: What gives the nodes, until they are needed.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 import numpy as np
 
@@ -110,7 +110,7 @@ def bounds(
     >>> result.best_rate[(result.side == "upper") & (result.family == "quadratic")]
     array(['N^-2'], dtype='<U13')
     """
-    options = {
+    options: dict[str, Any] = {
         "count": n,
         "profile": profile,
         "nearest": nearest,
@@ -212,7 +212,7 @@ def audit(
     >>> sphvar.audit("fibonacci", n=100, realizations=200, lmax=4).verdicts["as drawn"]
     'no'
     """
-    options = {
+    options: dict[str, Any] = {
         "columns": columns,
         "hdu": hdu,
         "join": join,
@@ -303,7 +303,7 @@ def quality(
     >>> round(measures.separation, 4), measures.exact_degree
     (1.4142, 3)
     """
-    options = {
+    options: dict[str, Any] = {
         "nearest": nearest,
         "realizations": realizations,
         "lmax": lmax,
@@ -322,7 +322,7 @@ def quality(
 
 @checked
 def lights(
-    environment: IntegrandLike,
+    environment: IntegrandLike | PathLike,
     n: Counts = 64,
     *,
     samplers: SamplersLike | None = None,
@@ -372,7 +372,7 @@ def lights(
     >>> lights.directions.shape, lights.rgb.shape
     ((8, 3), (8, 3))
     """
-    options = {
+    options: dict[str, Any] = {
         "count": n,
         "nearest": nearest,
         "realizations": realizations,
@@ -442,7 +442,7 @@ def rotation_quality(
     >>> bool((measures.separation_degrees[:2] > measures.separation_degrees[2:]).all())
     True
     """
-    options = {
+    options: dict[str, Any] = {
         "count": n,
         "nearest": nearest,
         "realizations": realizations,

@@ -1262,12 +1262,17 @@ def _variance(row: Row) -> float | None:
 
 
 def _compared(value: Any) -> Any:
-    """Return a document without what differs between two runs of the same question."""
+    """Return a document without what differs between two runs of the same question.
+
+    NaN, which is not equal to itself, is None, as in the document of the command.
+    """
     if isinstance(value, dict):
         return {k: _compared(v) for k, v in value.items() if k not in _NOT_COMPARED}
     if isinstance(value, list):
         return [_compared(entry) for entry in value]
-    return value
+    if isinstance(value, np.ndarray):
+        return _compared(value.tolist())
+    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def _number(key: str) -> float:

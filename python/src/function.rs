@@ -57,7 +57,8 @@ impl Function {
             return Err(PyTypeError::new_err(format!("{name}: expected a callable, got {kind}")));
         }
         let py = callable.py();
-        let function = Self { callable: callable.clone().unbind(), name, components: None, failures };
+        let function =
+            Self { callable: callable.clone().unbind(), name, components: None, failures };
         let components = function.components_of(py)?;
         Ok(Self { components, ..function })
     }

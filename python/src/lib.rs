@@ -4,12 +4,12 @@
 mod arrays;
 mod command;
 mod errors;
-mod spectrum;
-mod transforms;
+mod function;
 mod healpix;
 mod sampler;
-mod function;
 mod session;
+mod spectrum;
+mod transforms;
 mod work;
 
 use pyo3::prelude::*;

@@ -129,6 +129,19 @@ impl Session {
         self.inner.add_energies(name, energies, errors).map_err(of_failure)
     }
 
+    /// Add powers per degree from 0, with their standard errors, as the spectrum `name`;
+    /// `realizations` is 0 if their number is unknown.
+    fn add_spectrum(
+        &self,
+        name: &str,
+        power: &Bound<'_, PyAny>,
+        stderr: &Bound<'_, PyAny>,
+        realizations: u64,
+    ) -> PyResult<()> {
+        let (power, stderr) = (floats("power", power)?, floats("stderr", stderr)?);
+        self.inner.add_spectrum(name, &power, &stderr, realizations).map_err(of_failure)
+    }
+
     /// Add a callable as `function:name`; `label` names it in messages.
     ///
     /// With `degree`, energies are those of a polynomial of this degree between the `edges`, circles
