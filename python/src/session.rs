@@ -414,7 +414,8 @@ fn directions(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     for (i, xyz) in contents(&array).chunks_exact(3).enumerate() {
         let dir = DVec3::new(xyz[0], xyz[1], xyz[2]);
         let length = dir.length();
-        if !((length - 1.0).abs() <= TOLERANCE) {
+        let is_unit = (length - 1.0).abs() <= TOLERANCE;
+        if !is_unit {
             return Err(value_error(format!(
                 "{name}[{i}] = ({}, {}, {}) is not a unit vector: its length is {length}",
                 dir.x, dir.y, dir.z
