@@ -60,7 +60,8 @@ class Function:
         about ``12 pi`` divided by it may be missed. Only without ``degree``.
     max_evaluations
         The number of values not to exceed, at least 14290; 4194304 unless given. Only without
-        ``degree``.
+        ``degree``. Sums and products with a function that the values do not resolve take as many as
+        4194304 of their own.
     hemisphere
         Whether the function has values above the equator only. Only without ``degree``.
     name

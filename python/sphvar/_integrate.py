@@ -104,7 +104,7 @@ class Integral(Result):
         return self._nodes_and_weights()[1]
 
     def __float__(self) -> float:
-        return float(self.value)
+        return float(self._document["value"])
 
 
 @checked
