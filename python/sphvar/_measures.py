@@ -107,8 +107,8 @@ def bounds(
     --------
     >>> import sphvar
     >>> result = sphvar.bounds("jittered", n=48)
-    >>> result.best_rate[(result.side == "upper") & (result.family == "quadratic")]
-    array(['N^-2'], dtype='<U13')
+    >>> [row["best_rate"] for row in result if row["side"] == "upper"]
+    ['N^-1', 'N^-1.5', 'N^-2', 'N^-1.77']
     """
     options: dict[str, Any] = {
         "count": n,
