@@ -81,10 +81,14 @@ class Inputs:
         return add_integrand(self.session, value, self.name)
 
     def count(self, n: Any) -> Any:
-        """Return the numbers of points: those of the call, otherwise those of its `Sampler` objects."""
+        """Return the numbers of points: those of the call, otherwise that of its `Sampler` objects."""
         if n is not None or not self._counts:
             return n
-        return sorted(set(self._counts))
+        counts = sorted(set(self._counts))
+        if len(counts) > 1:
+            numbers = ", ".join(map(str, counts))
+            raise ValueError(f"n: missing, and the samplers have different ones: {numbers}")
+        return counts
 
     def name(self, wanted: str) -> str:
         """Return a name that occurs in no text of the call: the wanted one, if it is a free word."""
@@ -114,9 +118,10 @@ class Inputs:
 
     def _sampler(self, value: Any, label: str | None) -> str:
         if isinstance(value, Sampler):
-            if value.n is not None:
-                self._counts.append(value.n)
-            value = value.spec
+            number, value = value.n, value.spec
+            # Points have a number of their own.
+            if isinstance(value, str):
+                self._counts.append(number)
         if isinstance(value, str):
             if label is not None:
                 self._specs[value] = label
@@ -199,7 +204,7 @@ def _texts_of(values: Iterable[Any]) -> Iterable[str]:
         if isinstance(value, str):
             yield value
         elif isinstance(value, Sampler):
-            yield value.spec
+            yield from _texts_of([value.spec])
         elif isinstance(value, Mapping):
             yield from _texts_of(value.values())
         elif isinstance(value, (list, tuple)):

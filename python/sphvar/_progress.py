@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeAlias, Union
@@ -18,11 +19,11 @@ def reporting(progress: Progress) -> Iterator[Callable[[float, float], Any] | No
         yield None
     elif progress is True:
         try:
-            from tqdm.auto import tqdm
+            bars = importlib.import_module("tqdm.auto")
         except ImportError:
             yield None
             return
-        with tqdm(bar_format="{l_bar}{bar}| {elapsed}<{remaining}") as bar:
+        with bars.tqdm(bar_format="{l_bar}{bar}| {elapsed}<{remaining}") as bar:
 
             def show(done: float, expected: float) -> None:
                 bar.total = max(done, expected)

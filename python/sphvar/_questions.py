@@ -92,7 +92,8 @@ def predict(
         ``(m, n, 3)``, tuples of points and weights, a list of these, or a dictionary of them by the
         labels that results show.
     n
-        Number or numbers of points. Point sets have their own, `Sampler` objects too.
+        Number or numbers of points. Point sets have their own; the default is that of `Sampler`
+        objects.
     integrand
         A text, an expression, a callable, a HEALPix map, an image or one of the wrappers.
     nearest

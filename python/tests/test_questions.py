@@ -142,6 +142,11 @@ def test_all_forms_of_samplers() -> None:
     assert samplers([points, "fibonacci"], n=7) == [("points", 3), ("fibonacci", 7)]
     assert samplers({"a, b": points, "c": "healpix"}, n=12) == [("a, b", 3), ("c", 12)]
     assert samplers(sphvar.Sampler("fibonacci", 9)) == [("fibonacci", 9)]
+    assert samplers([sphvar.Sampler(points), sphvar.Sampler("step", 9, alpha=1)]) == [
+        ("points", 3), ("step:alpha=1", 9)
+    ]
+    with pytest.raises(ValueError, match="different ones: 9, 12"):
+        samplers([sphvar.Sampler("fibonacci", 9), sphvar.Sampler("healpix", 12)])
     assert samplers(points.astype(np.float32)[::-1]) == [("points", 3)]
     square = sphvar.measure(np.random.default_rng(1).random((5, 2)), integrand="disk:radius=0.3",
                             square=True, realizations=60)
