@@ -55,6 +55,11 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
     /// increasing order, of a sequence that is uniformly rotated, on the square shifted. `group` is
     /// the number of the random streams of the sequence. Ticks at most [`Self::work`].
     ///
+    /// Prefixes are predicted by the method that takes less work in total: all together, from sums
+    /// over pairs of points, or each from its own spectrum. Single predictions share the work that
+    /// the sums would take, so a few of them are as precise as those of
+    /// [`PredictorOn::predict`](crate::PredictorOn::predict).
+    ///
     /// # Errors
     ///
     /// Returns [`Error::Parameter`] for counts that are not increasing or not between 1 and the
