@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import json
 import os
 import pickle
@@ -117,7 +118,7 @@ def test_own_points_are_ranked_beside_patterns() -> None:
     table = sphvar.predict(samplers, n=64, integrand=CAP)
     assert [row["sampler"] for row in table.rows] == ["mine", "fib", "noise"]
     mine, fib, noise = (row["predicted"] for row in table.rows)
-    assert mine == pytest.approx(fib, rel=1e-6) and fib < 0.1 * noise
+    assert mine == pytest.approx(fib, rel=0.01) and fib < 0.1 * noise
     compared = sphvar.compare(samplers, n=64, integrand=CAP, realizations=60)
     assert [one["sampler"] for one in compared.samplers] == ["mine", "fib", "noise"]
     ranking = sphvar.choose(samplers, n=64, integrand=CAP)
@@ -246,6 +247,15 @@ def test_progress_is_told_and_stops() -> None:
     assert time.monotonic() - start < 5
     with pytest.raises(TypeError, match="progress"):
         sphvar.measure("jittered", n=12, integrand=CAP, progress="yes")  # type: ignore[arg-type]
+
+
+def test_interrupts_stop_trials() -> None:
+    timer = threading.Timer(0.3, _thread.interrupt_main)
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        sphvar.measure("jittered", n=3072, integrand=CAP, realizations=1_000_000)
+    assert time.monotonic() - start < 5
 
 
 class Recorder:
