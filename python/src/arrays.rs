@@ -1,12 +1,13 @@
 //! numpy arrays as points, weights and values, and back.
 
-use numpy::ndarray::IxDyn;
+use numpy::ndarray::{IxDyn, arr0};
 use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyUntypedArray, PyUntypedArrayMethods, ToPyArray,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyInt};
 use sphvar::glam::DVec3;
 
 use crate::errors::value_error;
@@ -32,7 +33,7 @@ pub(crate) fn integer_array<'py>(
     number_array(name, object, "int64", "iu", "integers")
 }
 
-fn number_array<'py, T: Element>(
+fn number_array<'py, T: Element + FromPyObjectOwned<'py>>(
     name: &str,
     object: &Bound<'py, PyAny>,
     dtype: &str,
@@ -45,6 +46,12 @@ fn number_array<'py, T: Element>(
         && array.ndim() <= MAX_DIMENSIONS
         && is_plain(array)
     {
+        return Ok(array.try_readonly()?);
+    }
+    let is_number = object.is_exact_instance_of::<PyInt>()
+        || kinds.contains('f') && object.is_exact_instance_of::<PyFloat>();
+    if is_number && let Ok(number) = object.extract::<T>() {
+        let array = PyArray::from_owned_array(py, arr0(number).into_dyn());
         return Ok(array.try_readonly()?);
     }
     let numpy = py.import("numpy")?;

@@ -16,7 +16,7 @@ use sphvar_cli::embedding::{
 
 use crate::arrays::{elements, float_array, of_shape, sets, shape_error, shape_text, zeros};
 use crate::errors::{of_failure, runtime_error, value_error};
-use crate::work::{self, interrupted};
+use crate::work::{self, Watch, interrupted};
 
 /// The name by which a sampler refers to the array that it was made of.
 const ARRAY: &str = "points";
@@ -401,7 +401,8 @@ impl NumberedSets {
         let table = points.map(|points| table(kind, points, weights)).transpose()?;
         let request = DrawRequest { sampler, n, nearest, hemisphere, is_randomized, seed };
         work::run(py, None, move |watch| {
-            let session = Session::new(Arc::clone(watch) as _);
+            let progress: Arc<Watch> = Arc::clone(watch);
+            let session = Session::new(progress);
             if let Some(table) = table {
                 session.add_points(ARRAY, table).map_err(of_failure)?;
             }
