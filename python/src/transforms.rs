@@ -1,7 +1,6 @@
 //! Transforms between scattered points and coefficients of spherical harmonics.
 
 use std::borrow::Cow;
-use std::marker::PhantomData;
 use std::sync::Arc;
 
 use numpy::{Complex64, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -37,7 +36,6 @@ struct Numbers<T> {
     start: *const T,
     len: usize,
     shape: Vec<usize>,
-    element: PhantomData<T>,
 }
 
 // SAFETY: the memory belongs to the array, which `_array` keeps alive, and T is plain data.
@@ -53,7 +51,7 @@ impl<T: Element + Copy> Numbers<T> {
             _ => converted(name, object, kinds, what)?,
         };
         let (start, len, shape) = (array.data().cast_const(), array.len(), array.shape().to_vec());
-        Ok(Self { _array: array.into_any().unbind(), start, len, shape, element: PhantomData })
+        Ok(Self { _array: array.into_any().unbind(), start, len, shape })
     }
 
     fn all(&self) -> &[T] {
