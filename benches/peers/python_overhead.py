@@ -1,11 +1,12 @@
-"""Measures what the package for Python adds to the time of the library.
+"""Measures what the package for Python adds to the time of transforms in the library.
 
 Usage: python benches/peers/python_overhead.py [--quick] [--json FILE]
 
 Run it with the interpreter of an environment in which the package is installed (`pip install ./python`, a release build).
 
   calls       The median time of calls with the smallest inputs. Most of it is that of reading arguments and of making
-              the result, so it is the overhead of a call: at most 20 microseconds.
+              the result, so it is the overhead of a call: at most 20 microseconds. `python/benches/speed.py` has those of
+              samplers and of HEALPix functions.
   transforms  points2alm and alm2points of 1e6 points to degree 1024, beside the same transforms of the library, which the
               example `whole_transforms` of the package sphvar-sht runs: it makes the plan, transforms and drops
               everything, as one call from Python does. Runs alternate; the ratio is that of the medians, which should
@@ -58,21 +59,13 @@ def seconds_of_call(call, rounds, calls=200):
 
 
 def small_calls():
-    """Calls whose work takes well below a microsecond."""
+    """Transforms of one point to degree 0."""
     point = np.array([[0.0, 0.0, 1.0]])
     alm = np.array([1.0 + 0j])
-    white = sphvar.Sampler("white-noise", 1)
-    pixel = np.array([7])
-    calls = {
+    return {
         "points2alm(1 point, 0)": lambda: sphvar.points2alm(point, 0),
         "alm2points(1 coefficient, 1 point)": lambda: sphvar.alm2points(alm, point),
-        "Sampler.random() of 1 point": lambda: white.random(1),
-        "healpix.vec2pix of floats": lambda: sphvar.healpix.vec2pix(64, 0.0, 0.6, 0.8),
-        "healpix.ang2pix of floats": lambda: sphvar.healpix.ang2pix(64, 1.0, 2.0),
-        "healpix.pix2vec of 1 pixel": lambda: sphvar.healpix.pix2vec(64, pixel),
-        "healpix.ring2nest of 1 pixel": lambda: sphvar.healpix.ring2nest(64, pixel),
     }
-    return calls
 
 
 def library_times(rounds):

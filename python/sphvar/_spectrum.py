@@ -104,7 +104,7 @@ class _MergedSpectrum(Result):
 
         Raises
         ------
-        ValueError, RuntimeError
+        ValueError
             If the samplers, numbers of points, bands, accuracies, seeds or versions differ, if a
             realization is in both, or for spectra in closed form.
 

@@ -132,7 +132,7 @@ def test_the_square_is_that_of_the_definition():
 @pytest.mark.parametrize("options", [{}, dict(hemisphere=True), dict(square=True)])
 def test_parts_merge_in_any_order_to_the_bits_of_one_run(options):
     # The jittered pattern of the hemisphere has other numbers of points.
-    names = {"square": "halton", "hemisphere": "white-noise"}
+    names = {"square": "white-square", "hemisphere": "white-noise"}
     source = next((names[key] for key in options), "jittered")
     arguments = dict(realizations=10, seed=3) | options
     whole = sphvar.spectrum(source, 48, **arguments)
@@ -143,7 +143,7 @@ def test_parts_merge_in_any_order_to_the_bits_of_one_run(options):
         assert np.array_equal(merged.power, whole.power)
         assert np.array_equal(merged.stderr, whole.stderr)
     assert sum(parts) == whole
-    with pytest.raises(RuntimeError, match="realization 0 is in the spectrum and in the other"):
+    with pytest.raises(ValueError, match="realization 0 is in the spectrum and in the other"):
         whole.merge(parts[0])
 
 
@@ -167,8 +167,8 @@ def test_given_sets_merge_to_the_bits_of_all(seed, split, weighted):
 def test_spectra_of_different_kinds_do_not_merge():
     white = sphvar.spectrum("white-noise", 12, lmax=4, realizations=2)
     for other, kind, message in [
-        (sphvar.spectrum("white-noise", 12, lmax=4, realizations=2, seed=1), RuntimeError, "seeds"),
-        (sphvar.spectrum("jittered", 12, lmax=4, realizations=2), RuntimeError, "samplers"),
+        (sphvar.spectrum("white-noise", 12, lmax=4, realizations=2, seed=1), ValueError, "seeds"),
+        (sphvar.spectrum("jittered", 12, lmax=4, realizations=2), ValueError, "samplers"),
         (sphvar.spectrum("jittered", 12, lmax=4, exact=True), ValueError, "closed form"),
         (sphvar.spectrum(random_sets(2, 12), lmax=4), ValueError, "a sampler and of given sets"),
         (sphvar.spectrum("halton", 12, square=True, kmax=4, realizations=2), TypeError, "domain"),
@@ -177,7 +177,7 @@ def test_spectra_of_different_kinds_do_not_merge():
             white.merge(other)
     with pytest.raises(TypeError):
         white + 1
-    with pytest.raises(RuntimeError, match="different numbers of points"):
+    with pytest.raises(ValueError, match="different numbers of points"):
         sphvar.spectrum(random_sets(1, 9), lmax=4) + sphvar.spectrum(random_sets(1, 8), lmax=4)
 
 
@@ -256,7 +256,8 @@ def test_an_array_hides_no_file(tmp_path, monkeypatch):
     assert sphvar.spectrum(random_sets(1, 6)[0], lmax=3).n == 6
     assert by_file.n == 5
     (tmp_path / "points.npy").rename(tmp_path / "-points.npy")
-    assert sphvar.spectrum(pathlib.Path("-points.npy"), lmax=3) == by_file
+    renamed = sphvar.spectrum(pathlib.Path("-points.npy"), lmax=3)
+    assert np.array_equal(renamed.power, by_file.power)
 
 
 def test_two_threads_have_the_results_of_one():
