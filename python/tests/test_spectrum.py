@@ -1,5 +1,6 @@
 """`spectrum`: against the definition and the command, merged, stored, and at the edges."""
 
+import _thread
 import copy
 import functools
 import itertools
@@ -7,6 +8,7 @@ import operator
 import pathlib
 import pickle
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -290,3 +292,13 @@ def test_plots():
     axes = sphvar.spectrum("halton", 48, square=True, realizations=5).plot()
     assert "|k|" in axes.get_xlabel()
     pyplot.close("all")
+
+
+def test_an_interrupt_stops_one_long_realization():
+    timer = threading.Timer(0.3, _thread.interrupt_main)
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        sphvar.spectrum("ccvt", 20000, realizations=2)
+    # A second after the interrupt, and what a busy machine adds.
+    assert time.monotonic() - start < 0.3 + 1 + 2
