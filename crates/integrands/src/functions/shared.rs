@@ -27,7 +27,7 @@ pub struct SharedFunction(Arc<dyn Integrand + Send + Sync>);
 impl SharedFunction {
     /// Returns a function that can be cloned without its contents.
     #[must_use]
-    pub fn new(function: impl Integrand + Send + Sync + 'static) -> Self {
+    pub fn new(function: impl Integrand + Send + 'static) -> Self {
         Self(Arc::new(function))
     }
 }
