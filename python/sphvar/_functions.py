@@ -121,7 +121,11 @@ class Function:
     def _add(self, session: _sphvar.Session, name: _Namer, energies: bool) -> str:
         free = name(_word(self.name))
         if not energies and self.degree is None:
-            session.add_values_function(free, self.function, self.name)
+            components = session.add_values_function(free, self.function, self.name)
+            if components is not None:
+                raise ValueError(
+                    f"{self.name} returned {components} values for a direction, expected one: shape (n,)"
+                )
             return f"function:{free}"
         session.add_function(
             free, self.function, self.name, degree=self.degree, edges=self._edges, **self._found

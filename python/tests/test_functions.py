@@ -131,7 +131,7 @@ def test_values_that_are_not_finite_are_reported_with_the_direction() -> None:
             lambda: sphvar.energies(sphvar.Expression("f * cosine", f=singular), 10),
             lambda: sphvar.integrate(singular, rtol=1e-9, max_points=1_000_000),
         ):
-            with pytest.raises(ValueError, match=f"singular returned {words} at"):
+            with pytest.raises(ValueError, match=f"(singular|f) returned {words} at"):
                 question()
 
 
@@ -155,7 +155,7 @@ def test_exceptions_of_a_callable_are_raised_as_themselves() -> None:
             question()
         assert any("fails" in str(frame) for frame in caught.traceback)
         if sys.version_info >= (3, 11):
-            assert any("fails was called at" in note for note in caught.value.__notes__)
+            assert any(" was called at (" in note for note in caught.value.__notes__)
     with pytest.raises(KeyboardInterrupt):
 
         def interrupts(points: np.ndarray) -> np.ndarray:
@@ -169,18 +169,18 @@ def test_exceptions_of_a_callable_are_raised_as_themselves() -> None:
 
 
 def test_functions_above_the_equator_are_not_evaluated_below() -> None:
-    def root(points: np.ndarray) -> np.ndarray:
+    def growing(points: np.ndarray) -> np.ndarray:
         assert (points[:, 2] >= 0).all()
-        return np.sqrt(points[:, 2])
+        return np.exp(points[:, 2])
 
-    assert sphvar.energies(root, 4, hemisphere=True).shape == (5,)
+    assert sphvar.energies(growing, 4, hemisphere=True).shape == (5,)
     with pytest.raises(AssertionError):
-        sphvar.energies(root, 4)
-    above = sphvar.Function(root, hemisphere=True)
+        sphvar.energies(growing, 4)
+    above = sphvar.Function(growing, hemisphere=True)
     product = sphvar.Expression("f * cosine", f=above)
     got = sphvar.energies(product, 0, hemisphere=True)[0]
-    # int z^1.5 over the hemisphere is 2 pi/2.5; the even extension has twice the integral.
-    assert got == pytest.approx((2 * 2 * np.pi / 2.5) ** 2 / (4 * np.pi), rel=1e-6)
+    # int z e^z over the hemisphere is 2 pi; the even extension has twice the integral.
+    assert got == pytest.approx(4 * np.pi, rel=1e-10)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int64, np.bool_, ">f8"])
@@ -195,7 +195,7 @@ def test_results_of_every_number_type(dtype: object) -> None:
 
 
 @settings(max_examples=30, deadline=None)
-@given(st.lists(st.floats(-1e6, 1e6), min_size=12, max_size=12), st.booleans())
+@given(st.lists(st.integers(-(10**6), 10**6).map(float), min_size=12, max_size=12), st.booleans())
 def test_maps_return_their_values(values: list[float], nest: bool) -> None:
     # At nside 1 both orders are the same.
     centres = sphvar.healpix.pix2vec(1, np.arange(12), nest=nest)
@@ -247,7 +247,7 @@ def test_wrappers_state_what_is_wrong() -> None:
         (lambda: sphvar.Environment(np.zeros((3, 6, 2))), ValueError, r"\(3, 6, 2\)"),
         (lambda: sphvar.energies(sphvar.Function(kink, tolerance=2.0), 1), ValueError, "at most 0.1"),
         (lambda: sphvar.energies(sphvar.Function(kink, degree=1, edges=[(0 * Z, 9)]), 1), ValueError, "axis"),
-        (lambda: sphvar.Energies([1.0, -2.0]) and sphvar.energies(sphvar.Energies([1.0, -2.0]), 1), ValueError, "negative"),
+        (lambda: sphvar.Energies([1.0, -2.0]) and sphvar.energies(sphvar.Energies([1.0, -2.0]), 1), ValueError, "from 0, got -2"),
     ]:
         with pytest.raises(kind, match=words):
             make()
@@ -272,11 +272,10 @@ def test_a_callable_of_ones_own_is_predicted_and_measured() -> None:
     scores = []
     for function in functions:
         result = sphvar.compare(
-            ["white-noise", "jittered", "fibonacci", "healpix", "latin-hypercube"],
+            ["white-noise", "jittered", "fibonacci", "healpix", "halton"],
             n=[48, 192],
             integrand=function,
             realizations=400,
-            nearest=True,
             seed=3,
         )
         scores += [row["z"] for row in result.rows]
