@@ -9,11 +9,12 @@ import sys
 import sphvar
 
 
-def document(*words):
-    """Return the document that the command prints with ``--json``."""
+def document(*words, folder=None):
+    """Return the document that the command prints with ``--json``, in a folder of its own."""
     root = str(pathlib.Path(sphvar.__file__).parents[1])
     run = subprocess.run(
         [sys.executable, "-m", "sphvar._command", *words, "--json", "--quiet"],
+        cwd=folder,
         capture_output=True,
         text=True,
         check=False,

@@ -6,8 +6,6 @@ import _thread
 import json
 import os
 import pickle
-import subprocess
-import sys
 import threading
 import time
 import warnings
@@ -16,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import document
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,20 +23,6 @@ from sphvar import _ask, _inputs, _sphvar
 
 CAP = "cap:degrees=60"
 FIXED_TIMES = {"seconds", "seconds_per_set", "seconds_in_all"}
-
-
-def command(*words: str, folder: Path) -> dict[str, Any]:
-    """Return the document that the command prints."""
-    run = subprocess.run(
-        [sys.executable, "-m", "sphvar._command", *words, "--json", "--quiet"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(Path(sphvar.__file__).parents[1])},
-    )
-    assert run.returncode == 0, run.stderr
-    document: dict[str, Any] = json.loads(run.stdout)
-    return document
 
 
 def numbers(value: Any) -> Any:
@@ -82,7 +67,7 @@ QUESTIONS: list[tuple[Any, str]] = [
 @pytest.mark.parametrize("call, words", QUESTIONS)
 def test_answers_are_those_of_the_command(call: Any, words: str, tmp_path: Path) -> None:
     expression = "2 * vmf:kappa=3 @ 30/0"
-    expected = command(*[expression if word == "@" else word for word in words.split()], folder=tmp_path)
+    expected = document(*[expression if word == "@" else word for word in words.split()], folder=tmp_path)
     assert numbers(call().to_dict()) == numbers(expected)
     assert list(tmp_path.iterdir()) == []
 
@@ -90,7 +75,7 @@ def test_answers_are_those_of_the_command(call: Any, words: str, tmp_path: Path)
 def test_a_comparison_is_that_of_the_command(tmp_path: Path) -> None:
     got = sphvar.compare("fibonacci, jittered", n=[12, 48], integrand=CAP, realizations=60, seed=7)
     words = f"compare fibonacci,jittered -n 12,48 --integrand {CAP} -m 60 --seed 7 -o out"
-    expected = command(*words.split(), folder=tmp_path)
+    expected = document(*words.split(), folder=tmp_path)
     assert numbers(got.to_dict()) == numbers(expected)
 
 
@@ -106,7 +91,7 @@ def test_arrays_are_files(weighted: bool, tmp_path: Path) -> None:
     value = (points, weights) if weighted else points
     got = sphvar.variance({"own": value}, integrand=CAP, realizations=60).rows[0]
     words = f"variance file:own.csv --integrand {CAP} -m 60"
-    [expected] = command(*words.split(), folder=tmp_path)["rows"]
+    [expected] = document(*words.split(), folder=tmp_path)["rows"]
     assert {**got, "sampler": ""} == {**expected, "sampler": ""}
     assert got["sampler"] == "own"
     assert (got["n_effective"] is None) is not weighted
