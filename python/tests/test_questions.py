@@ -300,8 +300,8 @@ def test_numbers_keep_their_bits(value: float) -> None:
 )
 def test_the_command_reads_the_words_back(counts: list[int], seed: int) -> None:
     words = _ask.words("list", ["samplers"], {"seed": seed})
-    document = json.loads(_sphvar.Session(None).answer(words))
-    assert document["provenance"]["seed"] == seed
+    listed = json.loads(_sphvar.Session(None).answer(words))
+    assert listed["provenance"]["seed"] == seed
     with pytest.raises(ValueError, match="expected numbers from 1") as caught:
         options = {"n": [*counts, "x"], "integrand": CAP, "predict_only": True}
         _sphvar.Session(None).answer(_ask.words("variance", ["fibonacci"], options))
