@@ -128,8 +128,8 @@ def test_all_forms_of_samplers() -> None:
     assert samplers([points, "fibonacci"], n=7) == [("points", 3), ("fibonacci", 7)]
     assert samplers({"a, b": points, "c": "healpix"}, n=12) == [("a, b", 3), ("c", 12)]
     assert samplers(sphvar.Sampler("fibonacci", 9)) == [("fibonacci", 9)]
-    assert samplers([sphvar.Sampler(points), sphvar.Sampler("step", 9, alpha=1)]) == [
-        ("points", 3), ("step:alpha=1", 9)
+    assert samplers([sphvar.Sampler(points), sphvar.Sampler("step", 9, alpha=0.5)]) == [
+        ("points", 3), ("step:alpha=0.5", 9)
     ]
     with pytest.raises(ValueError, match="different ones: 9, 12"):
         samplers([sphvar.Sampler("fibonacci", 9), sphvar.Sampler("healpix", 12)])
@@ -287,6 +287,7 @@ def test_values_become_words() -> None:
             _ask.words("x", [], {"n": value})
 
 
+@settings(max_examples=50, deadline=None)
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_keep_their_bits(value: float) -> None:
     [_, word] = _ask.words("x", [], {"error": value})
@@ -308,6 +309,7 @@ def test_the_command_reads_the_words_back(counts: list[int], seed: int) -> None:
     assert "x" in str(caught.value)
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.text(min_size=1, max_size=12), st.lists(st.text(max_size=12), max_size=4))
 def test_names_are_free(wanted: str, texts: list[str]) -> None:
     inputs = _inputs.Inputs(_sphvar.Session(None), texts)
