@@ -2,8 +2,8 @@
 
 Arrays in, arrays out: directions are unit vectors, float64 of shape (n, 3); a set of ``m``
 realizations has shape (m, n, 3). Integrands are names and expressions, callables on directions,
-HEALPix maps, images or coefficients; samplers are names with parameters, or arrays of points. The
-same question has the same answer as with the command ``sphvar``, to the bit, for the same seed.
+HEALPix maps, images or coefficients; samplers are names with parameters, or arrays of points. Answers
+are bit-identical to those of the command ``sphvar`` with the same seed.
 
 Questions
     `choose`, `compare`, `predict`, `measure`, `variance`, `fixed_orientation`, `progressive`,

@@ -154,7 +154,7 @@ def ask(
     Returns
     -------
     dict
-        The document of ``--json``, with the same bits of numbers.
+        The document of ``--json``, with bit-identical numbers.
 
     Raises
     ------

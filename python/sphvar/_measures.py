@@ -346,7 +346,7 @@ def lights(
     nearest : bool
         Use the valid number of points nearest to `n`.
     realizations : int, optional
-        Realizations over which errors are averaged: 8 by default; the lights are those of the first.
+        Realizations over which errors are averaged, 8 by default; the lights are of the first.
     seed : int
         The seed of all random numbers.
     progress : bool or callable, optional

@@ -33,7 +33,8 @@ def examples():
                 found[test.name] = test
     # Native functions are not of a module that is written in Python.
     for name, function in public():
-        if ">>> " in (function.__doc__ or "") and not any(key.endswith(f".{name}") for key in found):
+        has_examples = ">>> " in (function.__doc__ or "")
+        if has_examples and not any(key.endswith(f".{name}") for key in found):
             parser = doctest.DocTestParser()
             found[name] = parser.get_doctest(function.__doc__, {}, name, None, None)
     return found

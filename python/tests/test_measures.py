@@ -1,4 +1,4 @@
-"""Bounds, audits, quality, lights and rotations: the answers of the command, to the bit."""
+"""Bounds, audits, quality, lights and rotations: the answers are bit-identical to those of the command."""
 
 import json
 import pathlib
@@ -50,8 +50,8 @@ def octahedron():
             ["audit", "jittered", "-n", 12, "-m", 60, "--lmax", 4, "--alpha", 0.05],
         ),
         (
-            lambda: sphvar.audit("jittered", n=12, realizations=60, hemisphere=True, unrotated=True),
-            ["audit", "jittered", "-n", 12, "-m", 60, "--hemisphere", "--unrotated"],
+            lambda: sphvar.audit("jittered", n=12, realizations=60, hemisphere=True),
+            ["audit", "jittered", "-n", 12, "-m", 60, "--hemisphere"],
         ),
         (
             lambda: sphvar.quality(["fibonacci", "jittered"], n=48, realizations=2, lmax=[2, 5]),

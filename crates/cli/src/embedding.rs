@@ -28,7 +28,7 @@ pub use crate::session::Session;
 /// Why a question has no answer.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum FailureKind {
-    /// What was asked for is invalid.
+    /// The request is invalid.
     Usage,
     /// A file cannot be read or written.
     File,

@@ -96,7 +96,7 @@ fn energies(
     Ok(of_rows(rows, is_angular_power))
 }
 
-/// Returns energies, or `C_l` if `quantity` says so, that a program gives by degree from 0 with
+/// Returns energies, or `C_l` as `quantity` states, that a program gives by degree from 0 with
 /// their standard errors, if they are known; `name` is for messages.
 ///
 /// # Errors
