@@ -219,8 +219,8 @@ fn unresolved_functions_have_no_exact_results() {
     let axis = DVec3::new(1.0, 0.0, 2.0).normalize();
     let tilt = || DQuat::from_rotation_arc(DVec3::Z, axis);
     let known = || Rotated::new(Cap::half_space(0.2f64.sqrt()).unwrap(), tilt()).unwrap();
-    let turned = || Rotated::new(known(), DQuat::from_rotation_x(1.0)).unwrap();
-    let known_two = Sum::default().plus(2.0, turned()).unwrap().plus(1.0, ClampedCosine).unwrap();
+    let rotated = || Rotated::new(known(), DQuat::from_rotation_x(1.0)).unwrap();
+    let known_two = Sum::default().plus(2.0, rotated()).unwrap().plus(1.0, ClampedCosine).unwrap();
     for (composite, known) in [
         (&two as &dyn Integrand, &known_two as &dyn Integrand),
         (&Product::new(owned(), ClampedCosine), &Product::new(known(), ClampedCosine)),
