@@ -118,8 +118,22 @@ impl<'a> Declaration<'a> {
         summary: &'static str,
         value: &mut T,
     ) {
-        self.read_integer(name, [min, max], value);
-        self.declare_integer(name, [min, max], summary, Some(""), *value);
+        self.read_integer(name, [min, max], |given| *value = given);
+        self.declare_integer(name, [min, max], summary, Some(""), Some(*value));
+    }
+
+    /// Declares an integer whose default depends on something else; `default` describes it, such as
+    /// "by N".
+    pub fn optional_integer<T: Copy + TryFrom<i64> + TryInto<i64>>(
+        &mut self,
+        name: &'static str,
+        [min, max]: [i64; 2],
+        summary: &'static str,
+        default: &'static str,
+        value: &mut Option<T>,
+    ) {
+        self.read_integer(name, [min, max], |given| *value = Some(given));
+        self.declare_integer(name, [min, max], summary, Some(default), *value);
     }
 
     /// Declares a required integer; its initial value is an example.
@@ -130,10 +144,10 @@ impl<'a> Declaration<'a> {
         summary: &'static str,
         value: &mut T,
     ) {
-        if !self.read_integer(name, [min, max], value) {
+        if !self.read_integer(name, [min, max], |given| *value = given) {
             self.require(name);
         }
-        self.declare_integer(name, [min, max], summary, None, *value);
+        self.declare_integer(name, [min, max], summary, None, Some(*value));
     }
 
     /// Declares a choice among names.
@@ -279,13 +293,13 @@ impl<'a> Declaration<'a> {
         &mut self,
         name: &'static str,
         [min, max]: [i64; 2],
-        value: &mut T,
+        set: impl FnOnce(T),
     ) -> bool {
         let Some(spec) = &mut self.spec else { return true };
         let Some(given) = spec.take(name) else { return false };
         let valid = given.parse().ok().filter(|given| (min..=max).contains(given));
         match valid.and_then(|given| T::try_from(given).ok()) {
-            Some(given) => *value = given,
+            Some(given) => set(given),
             None if given.parse::<f64>().is_err() => {
                 let error = spec.not_a_number(name, given);
                 self.error.get_or_insert(error);
@@ -342,10 +356,11 @@ impl<'a> Declaration<'a> {
         [min, max]: [i64; 2],
         summary: &'static str,
         default: Option<&'static str>,
-        value: T,
+        value: Option<T>,
     ) {
         let kind = ParameterKind::Integer { min, max };
-        self.push(name, kind, summary, default, value.try_into().ok().map(Value::Integer));
+        let value = value.and_then(|value| value.try_into().ok()).map(Value::Integer);
+        self.push(name, kind, summary, default, value);
     }
 
     fn push(
@@ -357,5 +372,40 @@ impl<'a> Declaration<'a> {
         value: Option<Value>,
     ) {
         self.declared.push(Declared { name, kind, summary, default, value });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{describe, form, read, text};
+
+    #[derive(Debug, Default, PartialEq)]
+    struct Design {
+        degree: Option<u32>,
+    }
+
+    impl Parametric for Design {
+        fn declare(&mut self, d: &mut Declaration<'_>) {
+            d.optional_integer("t", [1, 9], "degree", "by N", &mut self.degree);
+        }
+    }
+
+    #[test]
+    fn an_optional_integer_has_a_described_default() {
+        let mut design = Design::default();
+        assert_eq!(describe(&mut design)[0].default, DefaultValue::Depends("by N"));
+        assert_eq!(form("design", &mut design), "design[:t=NUMBER]");
+        assert_eq!(text("design", &mut design, &mut Design::default()), "design");
+        read(&mut design, Spec::parse("design").unwrap()).unwrap();
+        assert_eq!(design.degree, None);
+        read(&mut design, Spec::parse("design:t=7").unwrap()).unwrap();
+        assert_eq!(design.degree, Some(7));
+        assert_eq!(text("design", &mut design, &mut Design::default()), "design:t=7");
+        for wrong in ["0", "10", "2.5", "many"] {
+            let spec = Spec::parse(&format!("design:t={wrong}")).unwrap();
+            assert!(read(&mut design, spec).is_err(), "{wrong}");
+        }
+        assert_eq!(design.degree, Some(7));
     }
 }

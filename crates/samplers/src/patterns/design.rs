@@ -169,22 +169,22 @@ impl Sampler for Design {
 /// Parameters of the pattern [`Design`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DesignParameters {
-    /// The degree; 0: by the number of points.
-    pub degree: u32,
+    /// The degree; if not given, it follows from the number of points.
+    pub degree: Option<u32>,
     /// Whether the points are pairs of antipodes.
     pub is_symmetric: bool,
 }
 
 impl DesignParameters {
     /// The default parameters.
-    pub const DEFAULT: Self = Self { degree: 0, is_symmetric: false };
+    pub const DEFAULT: Self = Self { degree: None, is_symmetric: false };
 
     /// The largest degree: its points and their coordinates stay within the index of transforms.
     const MAX_DEGREE: i64 = 4_000;
 
     /// Returns the degree, if it is given.
     fn given_degree(self) -> Option<usize> {
-        (self.degree > 0).then_some(self.degree as usize)
+        self.degree.map(|degree| degree as usize)
     }
 
     /// Returns the number of points of the stored or otherwise smallest set without special
@@ -204,8 +204,8 @@ impl Default for DesignParameters {
 
 impl Parametric for DesignParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        let summary = "degree to which polynomials are integrated exactly; 0: by N";
-        d.integer("t", [0, Self::MAX_DEGREE], summary, &mut self.degree);
+        let summary = "degree to which polynomials are integrated exactly";
+        d.optional_integer("t", [1, Self::MAX_DEGREE], summary, "by N", &mut self.degree);
         d.choice("symmetric", "whether points are pairs of antipodes", &mut self.is_symmetric);
     }
 }

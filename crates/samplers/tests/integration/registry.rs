@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use sphvar_samplers::grammar::{DefaultValue, Parameter, ParameterKind, ResolveError, Value};
 use sphvar_samplers::{
-    BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, DiskPlacement, Domain,
-    Error, FileResolver, MassPoints, NoiseColour, Pattern, PointFile, PointFileParameters,
-    PointSet, PoissonDiskParameters, PowerProfile, ProfileParameters, ProfileTable, Purpose, Rate,
-    RieszParameters, SpectralControl, StepParameters, Streams,
+    BestCandidateParameters, BlueParameters, CcvtParameters, DesignParameters, DiskMode,
+    DiskPlacement, Domain, Error, FileResolver, MassPoints, NoiseColour, Pattern, PointFile,
+    PointFileParameters, PointSet, PoissonDiskParameters, PowerProfile, ProfileParameters,
+    ProfileTable, Purpose, Rate, RieszParameters, SpectralControl, StepParameters, Streams,
 };
 
 #[test]
@@ -412,5 +412,8 @@ fn parameters_are_listed_with_their_defaults() {
     assert_eq!(names, ["alpha", "flat", "core"]);
     assert_eq!(listed[0].default, DefaultValue::Depends("by N"));
     assert_eq!(listed[2].default, DefaultValue::Value(Value::Number(0.3)));
+    let design = Pattern::Design(DesignParameters { degree: Some(5), ..DesignParameters::DEFAULT });
+    assert_eq!(design.parameters()[0].default, DefaultValue::Depends("by N"));
+    assert_eq!(design.to_string(), "design:t=5");
     assert!(Pattern::Spiral.parameters().is_empty());
 }
