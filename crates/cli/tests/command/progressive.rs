@@ -155,6 +155,10 @@ fn one_point_has_an_error() {
         let text = place.run(&format!("{run} {more}")).ok().stdout;
         assert!(text.contains("white-noise"), "{text}");
     }
+    let run = "progressive sobol -n 1 --integrand cap:degrees=60 -m 4 --reference white-noise";
+    let text = place.run(run).ok().stdout;
+    let line = text.lines().find(|line| line.starts_with("Least factor: sobol, ")).unwrap();
+    assert!(line.ends_with(" times the standard error of white-noise at N = 1."), "{line}");
 }
 
 #[test]

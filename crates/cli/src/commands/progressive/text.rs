@@ -121,18 +121,19 @@ fn tables(integral: &IntegralErrors, are_listed: bool) -> String {
     let factors = summaries().filter_map(|s| Some((s, s.mean_factor?, s.worst_factor?)));
     let best = factors.min_by(|a, b| a.1.total_cmp(&b.1));
     if let (Some((best, mean, worst)), Some(name)) = (best, name) {
+        let SequenceRecord { label, factors, first_n, n, worst_n, .. } = best;
+        let mean = format!("{label}, {} times the standard error of {name}", number::ratio(mean));
         let at = match are_listed {
-            true => format!("the listed N from {}", best.first_n),
-            false => {
-                format!("{} numbers of points from {} to {}", best.factors, best.first_n, best.n)
+            true => format!("the listed N from {first_n}"),
+            false => format!("{factors} numbers of points from {first_n} to {n}"),
+        };
+        text += &match (factors, worst_n) {
+            (1, Some(n)) => format!("Least factor: {mean} at N = {n}.\n"),
+            _ => {
+                let worst = number::ratio(worst);
+                format!("Least mean factor: {mean};\nat most {worst} times at {at}.\n")
             }
         };
-        text += &format!(
-            "Least mean factor: {}, {} times the standard error of {name};\nat most {} times at {at}.\n",
-            best.label,
-            number::ratio(mean),
-            number::ratio(worst),
-        );
     }
     text
 }
