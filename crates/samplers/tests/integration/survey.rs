@@ -400,12 +400,13 @@ fn riesz_finds_known_minima() {
         (72, 2255.001190975, 40),
     ] {
         let sampler = Riesz::new(n, Domain::Sphere, 1.0, 600).unwrap();
-        let found = (0..tries)
+        let mut found = (0..tries)
             .map(|i| sampler.sample(&mut rng(i)).unwrap())
-            .map(|set| riesz_energy(&set.points, Domain::Sphere, 1.0));
-        let found = found.fold(f64::INFINITY, f64::min);
+            .map(|set| riesz_energy(&set.points, Domain::Sphere, 1.0))
+            .inspect(|found| assert!(*found > known - 1e-8, "N = {n}: {found} below {known}"));
         // Nine decimals are printed.
-        assert!((found - known).abs() < 1e-8, "N = {n}: {found}, known minimum {known}");
+        let is_found = found.any(|found| found < known + 1e-8);
+        assert!(is_found, "N = {n}: the known minimum {known} was not found in {tries} tries");
     }
     // Three antipodal pairs: the axes, 3 pairs at sqrt 2 twice. Six: those of the icosahedron, 15
     // pairs.
