@@ -58,7 +58,7 @@ const ITERATIVE: [&str; 10] = [
 
 /// Returns the sampler of the valid count nearest to 500, or to 100 for expensive sets.
 fn near_500(pattern: &Pattern, domain: Domain) -> Box<dyn Sampler> {
-    let requested = if pattern.nominal_work(500) > 1e6 { 100 } else { 500 };
+    let requested = if pattern.nominal_work(500) > 1e5 { 100 } else { 500 };
     pattern.build(pattern.nearest_count(requested, domain), domain).unwrap()
 }
 
