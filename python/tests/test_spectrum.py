@@ -213,6 +213,15 @@ def test_the_sampler_object_has_its_own_options():
     sampler = sphvar.Sampler("white-noise", 48, seed=4, hemisphere=True)
     expected = sphvar.spectrum("white-noise", 48, seed=4, hemisphere=True, realizations=3)
     assert sphvar.spectrum(sampler, realizations=3) == expected
+    square = sphvar.Sampler("white-square", 16, square=True)
+    assert sphvar.spectrum(square, kmax=4, realizations=3).domain == "square"
+    points = random_sets(2, 9)
+    weights = np.arange(18.0).reshape(2, 9)
+    for given in [points, (points, weights)]:
+        assert sphvar.spectrum(sphvar.Sampler(given), lmax=4) == sphvar.spectrum(given, lmax=4)
+    assert sphvar.spectrum("healpix", 100, nearest=True, lmax=4) == sphvar.spectrum(
+        sphvar.Sampler("healpix", 100, nearest=True), lmax=4
+    )
 
 
 @pytest.mark.parametrize(
