@@ -31,8 +31,8 @@ class Sampler:
     ----------
     spec : str or array_like or tuple
         The sampler: a text such as ``"fibonacci"`` or ``"step:alpha=1"`` (`list_samplers` has the
-        names), points of shape (n, 3), or sets of points of shape (m, n, 3). Points may have any length
-        other than 0. A tuple is one of points and weights of shape (n,) or (m, n).
+        names), unit vectors of shape (n, 3), or sets of them of shape (m, n, 3); ``normalize=True``
+        takes vectors of any length. A tuple is one of points and weights of shape (n,) or (m, n).
     n : int, optional
         The number of points of a set. Points that are given have a number of their own, as have
         ``"file:PATH"`` and ``"design:t=T"``.
@@ -124,12 +124,8 @@ class Sampler:
             "nearest": bool(nearest),
         }
         self._given: tuple[NDArray[Any], NDArray[Any] | None] | None = None
-        if isinstance(spec, str):
-            self._spec = with_parameters(spec, params)
-        else:
-            self._spec = "file:points"
-            if params:
-                raise TypeError(f"points have no parameters, got {', '.join(params)}")
+        self._spec = with_parameters(spec if isinstance(spec, str) else "file:points", params)
+        if not isinstance(spec, str):
             points, weights = spec if isinstance(spec, tuple) and len(spec) == 2 else (spec, None)
             # A copy, so that later changes of the array change neither sets nor what is pickled.
             self._given = _frozen(points), None if weights is None else _frozen(weights)
@@ -267,10 +263,10 @@ class Sampler:
         count = (native.n_given or 1) if m is None else operator.index(m)
         if count < 1:
             raise ValueError(f"m must be at least 1, got {count}")
-        if self._position + count > _STREAMS:
-            raise ValueError(f"sets are numbered up to {_STREAMS - 1}")
         if count * native.n_points > sys.maxsize // 64:
             raise MemoryError(f"{count} sets of {native.n_points} points do not fit in memory")
+        if self._position + count > _STREAMS:
+            raise ValueError(f"sets are numbered up to {_STREAMS - 1}")
         if progress is None:
             points, weights = native.draw(self._position, count, in_order, None)
         else:
@@ -494,6 +490,8 @@ def _count(n: int | None) -> int | None:
 
 
 def _frozen(array: ArrayLike) -> NDArray[Any]:
+    if np.ma.isMaskedArray(array):
+        raise ValueError("masked arrays are not supported; pass the values that are not masked")
     copy = np.array(array, order="C")
     copy.flags.writeable = False
     return copy

@@ -18,7 +18,7 @@ from sphvar import Sampler
 SPECS = [
     ("white-noise", 100, {}),
     ("fibonacci", 50, {"rotate": True}),
-    ("jittered", 48, {"hemisphere": True}),
+    ("jittered", 54, {"hemisphere": True}),
     ("poisson-disk", 60, {}),
     ("step:alpha=1", 64, {}),
     ("gauss-legendre", 72, {"rotate": True}),
@@ -92,7 +92,10 @@ def test_points_are_unit_vectors_and_sets_differ() -> None:
 
 
 def test_given_points(tmp_path: Path) -> None:
-    sets = Sampler("white-noise", 20, seed=1).random(3)
+    points = Sampler("white-noise", 200, seed=1).random()[0]
+    # Points that are read are normalized, which changes the last bit of some.
+    points = points[(Sampler(points).random()[0] == points).all(axis=1)]
+    sets = points[:60].reshape(3, 20, 3)
     sampler = Sampler(sets)
     assert sampler.n == 20
     assert sampler.random().tobytes() == sets.tobytes()
@@ -109,7 +112,9 @@ def test_given_points(tmp_path: Path) -> None:
     assert drawn.tobytes() == np.load(tmp_path / "out.npy").tobytes()
     # One set, of any length, and changed afterwards.
     one = 3 * sets[0]
-    sampler = Sampler(one)
+    with pytest.raises(ValueError, match="normalize"):
+        Sampler(one)
+    sampler = Sampler(one, normalize=True)
     one[:] = 0
     np.testing.assert_allclose(sampler.random()[0], sets[0], rtol=0, atol=4e-16)
     assert Sampler(sets[0].tolist()).random().shape == (1, 20, 3)
@@ -208,7 +213,7 @@ def test_given_points_that_cannot_be() -> None:
         Sampler((np.ones((5, 3)), np.ones(4)))
     with pytest.raises(TypeError):
         Sampler(np.array([["a", "b", "c"]]))
-    with pytest.raises(TypeError, match="no parameters"):
+    with pytest.raises(ValueError, match="alpha"):
         Sampler(np.ones((5, 3)), alpha=1)
 
 
@@ -298,10 +303,10 @@ started = count()
 for name in names:
     for n in [1, 2, 4, 12, 48]:
         try:
-            sampler = sphvar.Sampler(name, n, nearest=True)
-        except (ValueError, OSError):
+            sphvar.Sampler(name, n, nearest=True).random(1)
+        except (ValueError, OSError, RuntimeError):
+            # A file is missing, or few points do not suffice.
             continue
-        sampler.random(1)
 # The pool of the package, and none of rayon's own.
 assert count() == started <= before + os.cpu_count(), (before, started, count())
 """
