@@ -152,7 +152,7 @@ class HealpixMap:
     --------
     >>> import numpy as np, sphvar
     >>> sphvar.evaluate(sphvar.HealpixMap(np.arange(12.0)), [[0, 0, 1], [0, 0, -1]])
-    array([ 0.,  8.])
+    array([0., 8.])
     """
 
     def __init__(

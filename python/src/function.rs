@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use sphvar::glam::DVec3;
 use sphvar::integrands::{Error, Integrand, VectorIntegrand};
 
-use crate::arrays::of_directions;
+use crate::arrays::{elements, of_directions, shape_text};
 use crate::errors::value_error;
 
 /// The number of directions of a call at most.
@@ -95,8 +95,7 @@ impl Function {
         if !is_right {
             return Err(self.wrong_shape(py, dirs, returned.shape()));
         }
-        let returned = returned.readonly();
-        values.iter_mut().zip(returned.as_array()).for_each(|(value, got)| *value = *got);
+        values.copy_from_slice(&elements(&returned.readonly())?);
         let width = self.components.unwrap_or(1);
         match values.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
@@ -202,15 +201,12 @@ impl Function {
 
     fn wrong_shape(&self, py: Python<'_>, dirs: &[DVec3], shape: &[usize]) -> PyErr {
         let n = dirs.len();
-        let sizes: Vec<String> = shape.iter().map(usize::to_string).collect();
-        let comma = if sizes.len() == 1 { "," } else { "" };
-        let shape = sizes.join(", ");
+        let shape = shape_text(shape);
         let expected = match self.components {
             Some(components) => format!("({n}, {components})"),
             None => format!("({n},)"),
         };
-        let got =
-            format!("returned shape ({shape}{comma}) for {n} directions, expected {expected}");
+        let got = format!("returned shape {shape} for {n} directions, expected {expected}");
         if self.takes_single(py, dirs) {
             return self.not_vectorized(&got);
         }

@@ -12,7 +12,9 @@ use sphvar::integrands::{
 use sphvar::samplers::{Progress, Stopped};
 use sphvar_cli::embedding::{self, PointTable};
 
-use crate::arrays::{float_array, floats, of_directions, of_floats, shape_error};
+use crate::arrays::{
+    elements, float_array, floats, of_directions, of_floats, reserved, rows, shape_error,
+};
 use crate::errors::{of_failure, runtime_error, value_error};
 use crate::function::{Failures, Function};
 use crate::work;
@@ -96,7 +98,7 @@ impl Session {
             [height, width] | [height, width, 3] => (height, width),
             _ => return Err(shape_error("image", "(h, w) or (h, w, 3)", texels.shape())),
         };
-        let texels = contents(&texels);
+        let texels = elements(&texels)?;
         self.inner.add_picture(name, width, height, texels).map_err(of_failure)
     }
 
@@ -226,12 +228,19 @@ impl Session {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = directions("points", points)?;
-        let values = self.run(py, move |session| {
+        // Only the interpreter's lock lets a callable run, so no other thread would help.
+        let is_callable = integrand.starts_with("function:") && !integrand.contains(' ');
+        let task = move |session: &embedding::Session| {
             let integrand = session.integrand(&integrand).map_err(of_failure)?;
             let mut values = vec![0.0; points.len()];
             integrand.eval_into(&points, &mut values).map_err(runtime_error)?;
             Ok(values)
-        })?;
+        };
+        let values = if is_callable {
+            self.unless_failed(work::short(|| task(&self.inner)))?
+        } else {
+            self.run(py, task)?
+        };
         Ok(of_floats(py, &values).into_any())
     }
 
@@ -291,6 +300,11 @@ impl Session {
             relay.set(None);
             result
         });
+        self.unless_failed(result)
+    }
+
+    /// Returns a result, or the exception of a callable.
+    fn unless_failed<T>(&self, result: PyResult<T>) -> PyResult<T> {
         match self.failures.take() {
             Some(error) => Err(error),
             None => result,
@@ -354,11 +368,6 @@ fn domain(hemisphere: bool) -> Domain {
     if hemisphere { Domain::Hemisphere } else { Domain::Sphere }
 }
 
-/// Returns the contents of an array in C order.
-fn contents(array: &PyReadonlyArrayDyn<'_, f64>) -> Vec<f64> {
-    array.as_array().iter().copied().collect()
-}
-
 /// Returns points with coordinates, and weights, values and errors.
 fn table(
     points: &Bound<'_, PyAny>,
@@ -379,13 +388,13 @@ fn table(
         let numbers = float_array(name, column)?;
         let per_point = &array.shape()[..array.ndim() - 1];
         if numbers.shape() == per_point {
-            return Ok(Some(contents(&numbers)));
+            return Ok(Some(elements(&numbers)?));
         }
         // One row of weights is that of every set.
         if let (Some(sets), [n]) = (sets, numbers.shape())
             && per_point[1] == *n
         {
-            return Ok(Some(contents(&numbers).repeat(sets)));
+            return Ok(Some(elements(&numbers)?.repeat(sets)));
         }
         let expected: Vec<String> = per_point.iter().map(usize::to_string).collect();
         let comma = if expected.len() == 1 { "," } else { "" };
@@ -393,7 +402,7 @@ fn table(
     };
     let [weights, values, errors] = columns;
     Ok(PointTable {
-        coordinates: contents(&array),
+        coordinates: elements(&array)?,
         dimension,
         sets,
         weights: column("weights", weights)?,
@@ -406,13 +415,10 @@ fn table(
 fn directions(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     /// The deviation of a length from 1 up to which a vector is a direction.
     const TOLERANCE: f64 = 1e-6;
-    let array = float_array(name, object)?;
-    let &[n, 3] = array.shape() else {
-        return Err(shape_error(name, "(n, 3)", array.shape()));
-    };
-    let mut all = Vec::with_capacity(n);
-    for (i, xyz) in contents(&array).chunks_exact(3).enumerate() {
-        let dir = DVec3::new(xyz[0], xyz[1], xyz[2]);
+    let rows = rows::<3>(name, object)?;
+    let mut all = reserved(rows.len())?;
+    for (i, row) in rows.into_iter().enumerate() {
+        let dir = DVec3::from_array(row);
         let length = dir.length();
         let is_unit = (length - 1.0).abs() <= TOLERANCE;
         if !is_unit {
@@ -421,7 +427,9 @@ fn directions(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
                 dir.x, dir.y, dir.z
             )));
         }
-        all.push(dir / length);
+        // A unit vector to rounding keeps its bits.
+        let is_exact = (length - 1.0).abs() <= 2.0 * f64::EPSILON;
+        all.push(if is_exact { dir } else { dir / length });
     }
     Ok(all)
 }

@@ -1,7 +1,10 @@
 """Callables, arrays and images as integrands: values, energies, and what is wrong with them."""
 
+import os
+import signal
 import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -268,7 +271,9 @@ def test_a_callable_of_ones_own_is_predicted_and_measured() -> None:
     def ripple(points: np.ndarray) -> np.ndarray:
         return np.sin(7 * points[:, 0]) * points[:, 1] + 1
 
-    functions = [peaked, jump, ripple, kink]
+    # Fewer values than the default have larger errors, which the scores take into account.
+    known = {"max_evaluations": 1 << 18}
+    functions = [peaked, sphvar.Function(jump, **known), ripple, sphvar.Function(kink, **known)]
     scores = []
     for function in functions:
         result = sphvar.compare(
@@ -283,3 +288,21 @@ def test_a_callable_of_ones_own_is_predicted_and_measured() -> None:
     assert np.abs(scores).max() < MAX_Z, scores
     # They are scores: neither all small nor all of one sign.
     assert 0.5 < np.std(scores) < 1.5 and abs(np.mean(scores)) < 0.6, scores
+
+
+def test_signals_stop_work_with_slow_callables() -> None:
+    def slow(points: np.ndarray) -> np.ndarray:
+        time.sleep(0.01)
+        return points[:, 2]
+
+    for question in (
+        lambda: sphvar.integrate(slow, rtol=1e-12, max_points=10**8),
+        lambda: sphvar.compare("fibonacci", n=64, integrand=slow, realizations=10**5),
+    ):
+        timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+        timer.start()
+        started = time.perf_counter()
+        with pytest.raises(KeyboardInterrupt):
+            question()
+        timer.join()
+        assert time.perf_counter() - started < 0.3 + 1.5
