@@ -25,6 +25,9 @@ use crate::global::Global;
 use crate::message;
 pub use crate::session::Session;
 
+/// The option of documents.
+const JSON: &str = "--json";
+
 /// Why a question has no answer.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum FailureKind {
@@ -122,12 +125,21 @@ impl Session {
         words: &[String],
         task: impl FnOnce(Command, &Global) -> Result<T, CliError>,
     ) -> Result<T, Failure> {
-        let (command, mut global) = parsing::parse(words)?;
-        let run = self.run(words);
-        global.session = run.clone();
+        let (command, global) = self.question(words)?;
         let result = task(command, &global);
-        run.check_stopped()?;
-        result.map_err(|error| Failure::of_run(error, &run))
+        self.check_stopped()?;
+        result.map_err(|error| Failure::of_run(error, self))
+    }
+
+    /// Returns the command that the words name, with the session of its run.
+    fn question(&self, words: &[String]) -> Result<(Command, Global), Failure> {
+        // The provenance of a document is that of the command that prints it.
+        let is_named = words.iter().any(|word| word == JSON);
+        let json = (!is_named).then(|| JSON.to_owned());
+        let words: Vec<String> = words.iter().cloned().chain(json).collect();
+        let (command, mut global) = parsing::parse(&words)?;
+        global.session = self.run(&words);
+        Ok((command, global))
     }
 
     /// Returns the failure of stopped work, which is unfinished also where a command reports parts of

@@ -64,16 +64,20 @@ impl Given {
     kind!(add_spectrum, spectrum, spectra, Arc<[SpectrumRow]>);
     kind!(add_function, function, functions, GivenFunction);
 
-    /// Returns whether a message on the content of an input is about one of the arrays: it starts
-    /// with the name.
+    /// Returns whether a message on the content of an input is about one of the arrays: it has the
+    /// name at the start, or before the place of the error.
     pub(crate) fn is_about(&self, message: &str) -> bool {
         let tables = lock(&self.0);
         let names = tables.points.keys().chain(tables.pictures.keys()).chain(tables.maps.keys());
         let names = names.chain(tables.coefficients.keys()).chain(tables.energies.keys());
         let names = names.chain(tables.profiles.keys()).chain(tables.functions.keys());
         names.chain(tables.spectra.keys()).any(|name| {
-            let rest = message.strip_prefix(name.as_str());
-            rest.is_some_and(|rest| rest.starts_with([':', '[', ' ']))
+            message.match_indices(name.as_str()).any(|(at, name)| {
+                let (before, after) = (&message[..at], &message[at + name.len()..]);
+                let is_start = before.is_empty() && after.starts_with(' ');
+                is_start
+                    || (!before.ends_with(char::is_alphanumeric) && after.starts_with([':', '[']))
+            })
         })
     }
 }

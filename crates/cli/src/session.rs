@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use sphvar_samplers::Progress;
+use sphvar_samplers::{Progress, Stopped};
 
 use crate::error::CliError;
 use crate::given::Given;
@@ -49,12 +49,12 @@ struct Watched {
 }
 
 impl Progress for Watched {
-    fn tick(&self, work: f64) -> Result<(), sphvar_samplers::Stopped> {
-        let told = self.progress.tick(work);
-        if told.is_err() {
+    fn tick(&self, work: f64) -> Result<(), Stopped> {
+        if self.progress.tick(work).is_err() {
             self.is_stopped.store(true, Ordering::Relaxed);
         }
-        told
+        // Work that is stopped once stops everywhere.
+        if self.is_stopped.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
     }
 
     fn expect(&self, work: f64) {

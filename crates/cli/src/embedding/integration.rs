@@ -5,7 +5,7 @@ use std::fmt;
 use sphvar_integrands::{Domain, Energy, Integrand, VectorIntegrand};
 use sphvar_samplers::PointSet;
 
-use super::{Failure, Session, parsing};
+use super::{Failure, Session};
 use crate::args::Command;
 use crate::commands::integrate::Integrated;
 use crate::error::CliError;
@@ -59,12 +59,11 @@ impl Session {
         words: &[String],
         vector: Option<&dyn VectorIntegrand>,
     ) -> Result<Integration, Failure> {
-        let (command, mut global) = parsing::parse(words)?;
+        let (command, global) = self.question(words)?;
         let Command::Integrate(args) = command else {
             return Err(Failure::usage("expected the command integrate"));
         };
-        let run = self.run(words);
-        global.session = run.clone();
+        let run = global.session.clone();
         let result = Integrated::new(&args, &global, vector);
         run.check_stopped()?;
         let failed = |error: CliError| Failure::of_run(error, &run);

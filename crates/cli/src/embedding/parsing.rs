@@ -1,5 +1,7 @@
 //! Reads the words of a question.
 
+use std::sync::LazyLock;
+
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
@@ -28,7 +30,8 @@ const WRITES: &str = "it writes a file, and results are returned here";
 /// Commands without an answer.
 const WITHOUT_ANSWER: [&str; 5] = ["sample", "render", "reproduce", "accuracy", "completions"];
 
-/// Returns the subcommand of the words after the name of the command, and the common options.
+/// Returns the subcommand of the words after the name of the command, `--json` among them, and the
+/// common options.
 pub(super) fn parse(words: &[String]) -> Result<(Command, Global), Failure> {
     if let Some(name) = words.first().filter(|word| WITHOUT_ANSWER.contains(&&***word)) {
         return Err(Failure::usage(format!(
@@ -36,15 +39,25 @@ pub(super) fn parse(words: &[String]) -> Result<(Command, Global), Failure> {
         )));
     }
     let all = std::iter::once("sphvar".to_owned()).chain(words.iter().cloned());
-    let all = all.chain(std::iter::once("--json".to_owned()));
-    let matches =
-        Cli::command().try_get_matches_from(all).map_err(|error| failure(error, words))?;
+    let parser = parser_of(words.first().map_or("", |name| name));
+    let matches = parser.try_get_matches_from(all).map_err(|error| failure(error, words))?;
     let Some((_, of_command)) = matches.subcommand() else {
         return Err(Failure::usage("expected the name of a subcommand"));
     };
     check(of_command)?;
     let cli = Cli::from_arg_matches(&matches).map_err(|error| failure(error, words))?;
     Ok((cli.command, cli.global))
+}
+
+/// Returns the parser of the command with only the subcommand of this name, if there is one: a copy
+/// of all subcommands would take most of the time of a short question.
+fn parser_of(name: &str) -> clap::Command {
+    static WHOLE: LazyLock<clap::Command> = LazyLock::new(Cli::command);
+    let Some(subcommand) = WHOLE.find_subcommand(name) else { return WHOLE.clone() };
+    clap::Command::new(WHOLE.get_name().to_owned())
+        .subcommand_required(true)
+        .args(WHOLE.get_arguments().cloned())
+        .subcommand(subcommand.clone())
 }
 
 /// Rejects options that an embedded run does not have.
@@ -71,4 +84,38 @@ fn failure(mut error: clap::Error, words: &[String]) -> Failure {
     let text = &text[..end.min().unwrap_or(text.len())];
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     Failure::usage(message::clean(&lines.join(" ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::any::TypeId;
+    use std::path::PathBuf;
+
+    use clap::CommandFactory;
+
+    use super::{Cli, REJECTED, WITHOUT_ANSWER};
+
+    /// The options whose files are read.
+    const READ: [&str; 2] = ["points_from", "spectrum"];
+
+    #[test]
+    fn every_option_that_writes_a_file_is_rejected() {
+        let command = Cli::command();
+        let mut options = Vec::new();
+        for command in command.get_subcommands() {
+            for option in command.get_arguments().filter(|option| !option.is_positional()) {
+                let (name, id) = (command.get_name(), option.get_id().as_str());
+                options.push(id.to_owned());
+                let takes_file = option.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+                let is_known = READ.contains(&id) || REJECTED.iter().any(|(other, _)| *other == id);
+                let is_decided = is_known || WITHOUT_ANSWER.contains(&name);
+                assert!(!takes_file || is_decided, "{name} --{id}");
+            }
+        }
+        let common = command.get_arguments().map(|option| option.get_id().to_string());
+        options.extend(common);
+        for (id, _) in REJECTED {
+            assert!(options.iter().any(|option| option == id), "{id} is no option");
+        }
+    }
 }
