@@ -9,6 +9,7 @@ mod choices_of_densities;
 mod comparison_files;
 mod determinism;
 mod embedded;
+mod embedded_functions;
 mod embedded_spectra;
 mod errors_of_files;
 mod errors_of_outputs;
