@@ -110,7 +110,8 @@ pub(crate) struct RowRecord {
     /// The number of the warp with `largest_ratio` in a sum of warps, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     largest_ratio_strategy: Option<usize>,
-    /// The trials with a point whose ratio exceeds half of `largest_ratio`.
+    /// The trials with a point whose ratio exceeds half of `largest_ratio`; this and the following
+    /// are absent with `--predict-only`.
     #[serde(skip_serializing_if = "Option::is_none")]
     largest_ratio_trials: Option<u64>,
     /// The expected number of such trials.
