@@ -132,7 +132,7 @@ def ang2pix(
     --------
     >>> from sphvar import healpix
     >>> int(healpix.ang2pix(256, 13.4, 52.5, lonlat=True))
-    80747
+    81234
     """
     return _of_nside(
         lambda nside, first, second: _healpix.ang2pix(nside, first, second, nest, lonlat),

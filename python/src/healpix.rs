@@ -17,14 +17,18 @@ use crate::arrays::{
 use crate::errors::value_error;
 use crate::work;
 
-/// The number of elements that are converted together; their numbers fit the cache of a core.
-const BLOCK: usize = 4096;
+/// The number of elements that are converted together: few enough that buffers of this size cost a call
+/// for one element little.
+const BLOCK: usize = 512;
+
+/// The number of blocks that a thread converts before others may take over, some 20 us.
+const BLOCKS_OF_A_PART: usize = 8;
 
 /// The number of elements up to which a conversion takes less than a millisecond.
 const SMALL: usize = 16_384;
 
 /// The number of blocks between two looks at signals, which take some 50 ms.
-const BLOCKS_BETWEEN_LOOKS: usize = 2048;
+const BLOCKS_BETWEEN_LOOKS: usize = 16_384;
 
 /// An element that cannot be converted, by its position in a block, and why.
 struct Fault {
@@ -156,6 +160,7 @@ where
             fault = work::scoped(py, || {
                 part.par_iter_mut()
                     .enumerate()
+                    .with_min_len(BLOCKS_OF_A_PART)
                     .find_map_first(|(index, block)| fault_of(first + index, block))
             })?;
             if fault.is_some() {
