@@ -24,7 +24,7 @@ Which of three patterns of 100 directions integrates a function best, and how we
 >>> def f(d):
 ...     return np.exp(d[:, 0])
 >>> ranking = sphvar.choose(["white-noise", "jittered", "fibonacci"], integrand=f, n=100)
->>> list(ranking.sampler)
+>>> ranking.sampler.tolist()
 ['fibonacci', 'jittered', 'white-noise']
 """
 

@@ -106,7 +106,7 @@ class Inputs:
             own = json.dumps(label, ensure_ascii=False)[1:-1]
             answer = re.sub(re.escape(text) + r"(?![A-Za-z0-9_-])", lambda _: own, answer)
         document = document_of(answer)
-        rows = document.get("rows", [])
+        rows = document.get("rows") or []
         found = list(dict.fromkeys(row["sampler"] for row in rows if "sampler" in row))
         is_ranked = bool(rows) and "rank" in rows[0]
         if not is_ranked and len(found) == len(self._order):

@@ -167,8 +167,8 @@ def integrate(
     --------
     >>> import numpy as np, sphvar
     >>> integral = sphvar.integrate(lambda points: np.exp(points[:, 0]), rtol=1e-6)
-    >>> integral.converged and bool(abs(integral.value - 4 * np.pi * np.sinh(1)) < 2 * integral.error)
-    True
+    >>> integral.converged, bool(abs(integral.value - 4 * np.pi * np.sinh(1)) < 2 * integral.error)
+    (True, True)
     """
     with reporting(progress) as report:
         session = _sphvar.Session(report)

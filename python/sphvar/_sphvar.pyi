@@ -6,6 +6,30 @@ from typing import Any, SupportsIndex, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "Integral",
+    "NumberedSets",
+    "Session",
+    "SpectrumSums",
+    "__version__",
+    "_panic",
+    "alm2points",
+    "ang2pix",
+    "fit",
+    "npix2nside",
+    "nside2npix",
+    "pix2ang",
+    "pix2vec",
+    "points2alm",
+    "quote",
+    "reorder",
+    "run_command",
+    "set_num_threads",
+    "spectrum",
+    "vec2pix",
+    "weights",
+]
+
 __version__: str
 
 def run_command(words: Sequence[str]) -> int: ...
@@ -99,7 +123,7 @@ class NumberedSets:
         first: int,
         count: int,
         in_order: bool,
-        progress: Callable[[float, float], Any] | None = None,
+        progress: Callable[[float, float], Any] | None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]: ...
 
 @final

@@ -153,10 +153,3 @@ def python(*words):
 def test_typical_uses_are_typed():
     pytest.importorskip("mypy")
     python("mypy", "--strict", "tests/typing_cases.py")
-
-
-def test_the_stub_is_that_of_the_native_module():
-    pytest.importorskip("mypy")
-    if not list((PYTHON / "sphvar").glob("_sphvar*.so")):
-        pytest.skip("the native module is not beside the package")
-    python("mypy.stubtest", "sphvar._sphvar")

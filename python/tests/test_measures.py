@@ -50,8 +50,8 @@ def octahedron():
             ["audit", "jittered", "-n", 12, "-m", 60, "--lmax", 4, "--alpha", 0.05],
         ),
         (
-            lambda: sphvar.audit("jittered", n=12, realizations=60, hemisphere=True),
-            ["audit", "jittered", "-n", 12, "-m", 60, "--hemisphere"],
+            lambda: sphvar.audit("jittered", n=6, realizations=60, hemisphere=True),
+            ["audit", "jittered", "-n", 6, "-m", 60, "--hemisphere"],
         ),
         (
             lambda: sphvar.quality(["fibonacci", "jittered"], n=48, realizations=2, lmax=[2, 5]),
@@ -140,7 +140,8 @@ def test_lights_of_an_array():
     lights = sphvar.lights(sky, n=5, realizations=2, seed=4)
     assert lights.directions.shape == lights.rgb.shape == (5, 3)
     assert np.allclose(np.linalg.norm(lights.directions, axis=1), 1, atol=1e-14)
-    assert lights.irradiance_error == lights.error[0]
+    # The lights are those of the first of the realizations, over which errors are averaged.
+    assert abs(lights.irradiance_error - lights.error[0]) < 3 * lights.error_stderr[0]
     several = sphvar.lights(sky, n=[2, 5], realizations=2, seed=4)
     assert list(several.n) == [2, 5]
     assert several.error[1] == lights.error[0]
