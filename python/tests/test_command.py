@@ -15,7 +15,9 @@ import sphvar
 
 SCRIPT = pathlib.Path(sysconfig.get_path("scripts")) / "sphvar"
 # Where the package is not installed, as in a source tree, its module is run.
-COMMAND = [str(SCRIPT)] if SCRIPT.exists() else [sys.executable, "-m", "sphvar._command"]
+SOURCES = pathlib.Path(sphvar.__file__).parents[1]
+MODULE = f"import sys; sys.path.insert(0, {str(SOURCES)!r}); from sphvar._command import main; main()"
+COMMAND = [str(SCRIPT)] if SCRIPT.exists() else [sys.executable, "-c", MODULE]
 
 # Work of a minute.
 LONG = ["sample", "ccvt:capacity=4096", "-n", "16384", "-o", "-"]
