@@ -112,6 +112,18 @@ pub(crate) fn floats(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>
     elements(&array)
 }
 
+/// Returns an array-like object of shape `(n, D)`.
+pub(crate) fn rows<const D: usize>(
+    name: &str,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<Vec<[f64; D]>> {
+    let array = float_array(name, object)?;
+    match *array.shape() {
+        [_, last] if last == D => Ok(in_rows(elements(&array)?)),
+        _ => Err(shape_error(name, &format!("(n, {D})"), array.shape())),
+    }
+}
+
 /// Returns an array-like object of shape `(n, D)` or `(m, n, D)`, the points of one set or of several,
 /// and that shape without D.
 pub(crate) fn sets<const D: usize>(
