@@ -36,7 +36,7 @@ result
 
 # %%
 directions, colours = result.directions, result.rgb
-figure, axes = plt.subplots(figsize=(8, 4))
+figure, axes = plt.subplots(figsize=(6, 3))
 axes.imshow(np.clip(image / np.percentile(image, 95), 0, 1) ** (1 / 2.2), extent=(0, 360, 180, 0))
 axes.scatter(
     np.degrees(np.arctan2(directions[:, 1], directions[:, 0])) % 360, np.degrees(np.arccos(directions[:, 2])),
