@@ -46,8 +46,9 @@ points = catalogue(0)
 print(points.shape)
 
 # %%
-figure, axes = plt.subplots(figsize=(7, 3.5), subplot_kw={"projection": "mollweide"})
-axes.scatter(np.arctan2(points[:, 1], points[:, 0]), np.arcsin(points[:, 2]), s=0.2, color="black")
+figure, axes = plt.subplots(figsize=(5, 2.5), subplot_kw={"projection": "mollweide"})
+shown = points[::5]
+axes.scatter(np.arctan2(shown[:, 1], shown[:, 0]), np.arcsin(shown[:, 2]), s=0.3, color="black")
 axes.grid(alpha=0.3)
 axes.set_xticklabels([]);
 
