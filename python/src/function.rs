@@ -1,9 +1,10 @@
 //! Callables as functions of direction.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyException, PyTypeError};
+use pyo3::exceptions::{PyException, PyRecursionError, PyTypeError};
 use pyo3::prelude::*;
 use sphvar::glam::DVec3;
 use sphvar::integrands::{Error, Integrand, VectorIntegrand};
@@ -17,20 +18,30 @@ const BATCH: usize = 1 << 16;
 /// The first exception of the callables of a session. Errors of the library are texts, so the
 /// exception itself waits here until the interpreter's thread raises it.
 #[derive(Clone, Default)]
-pub(crate) struct Failures(Arc<Mutex<Option<PyErr>>>);
+pub(crate) struct Failures {
+    first: Arc<Mutex<Option<PyErr>>>,
+    /// Whether nobody waits for values any more.
+    is_closed: Arc<AtomicBool>,
+}
 
 impl Failures {
     /// Returns the exception, if there is one, and forgets it.
     pub(crate) fn take(&self) -> Option<PyErr> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.first.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Lets every later call fail, so that work that was given up ends.
+    pub(crate) fn close(&self) {
+        self.is_closed.store(true, Ordering::Relaxed);
     }
 
     fn exist(&self) -> bool {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+        self.is_closed.load(Ordering::Relaxed)
+            || self.first.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
     fn keep(&self, error: PyErr) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        self.first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 }
 
@@ -148,7 +159,9 @@ impl Function {
     /// Returns the exception of a call with a note on the first direction that raises it alone, or
     /// for a function of a single direction the error that names the expected form.
     fn explained(&self, py: Python<'_>, dirs: &[DVec3], error: PyErr) -> PyErr {
-        if !error.is_instance_of::<PyException>(py) {
+        // Further calls of a function that calls itself without end would double at each level.
+        if !error.is_instance_of::<PyException>(py) || error.is_instance_of::<PyRecursionError>(py)
+        {
             return error;
         }
         if self.takes_single(py, dirs) {

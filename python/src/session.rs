@@ -300,6 +300,10 @@ impl Session {
             relay.set(None);
             result
         });
+        // Work that was given up must not go on to call functions.
+        if self.relay.with(|_| ()).is_some() {
+            self.failures.close();
+        }
         self.unless_failed(result)
     }
 

@@ -171,3 +171,32 @@ def test_the_overhead_of_a_call_is_small() -> None:
 
 def test_signals_are_those_of_python() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_functions_of_work_that_was_given_up_are_not_called_again() -> None:
+    calls = []
+
+    def step(points: np.ndarray) -> np.ndarray:
+        calls.append(len(points))
+        if len(calls) == 6:
+            os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.02)
+        return (points[:, 2] > 0.1234).astype(float)
+
+    for _ in range(3):
+        calls.clear()
+        with pytest.raises(KeyboardInterrupt):
+            sphvar.predict("white-noise", n=16, integrand=step)
+        time.sleep(0.3)
+        known = len(calls)
+        time.sleep(0.5)
+        assert len(calls) == known
+    assert sphvar.predict("white-noise", n=16, integrand="cosine").predicted[0] > 0
+
+
+def test_functions_that_call_themselves_end_with_an_error() -> None:
+    def endless(points: np.ndarray) -> np.ndarray:
+        return sphvar.evaluate(endless, points)
+
+    with pytest.raises(RecursionError):
+        sphvar.integrate(endless)
