@@ -39,7 +39,7 @@ impl AdaptedDensities {
                 distinct.push(&pattern.density);
             }
         }
-        let strategies = strategies_of(&distinct, plan.domain, &plan.effort.session)?;
+        let strategies = strategies_of(&distinct, plan.domain, plan.effort.session)?;
         let pairs = distinct.into_iter().cloned().zip(strategies.into_iter().flatten());
         Ok(Self { densities: pairs.collect(), n_integrals: plan.integrals.all().len() })
     }

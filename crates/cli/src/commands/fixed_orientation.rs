@@ -114,7 +114,7 @@ pub(super) fn run(
 ) -> Result<(FixedOrientationBody, Chart), CliError> {
     rows::check_uniform(plan, cases)?;
     let on_energies =
-        |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, &plan.effort.session);
+        |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
     let mut work = 0.0;
@@ -122,7 +122,7 @@ pub(super) fn run(
         let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
         work += predictor.fixed_orientation_work(case.sampler(), trials)?;
     }
-    let progress = Progress::new(work, &plan.effort.session);
+    let progress = Progress::new(work, plan.effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));

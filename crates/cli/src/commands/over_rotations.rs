@@ -71,9 +71,9 @@ pub(super) fn run(
     cases: &[&Case],
 ) -> Result<OverRotationsBody, CliError> {
     rows::check_uniform(plan, cases)?;
-    let pattern: RotationPattern = patterns::parse_pattern(text, &plan.effort.session)?;
+    let pattern: RotationPattern = patterns::parse_pattern(text, plan.effort.session)?;
     let on_energies =
-        |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, &plan.effort.session);
+        |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
     let mut samplers = Vec::new();
@@ -85,7 +85,7 @@ pub(super) fn run(
         work += predictor.over_rotations_work(case.sampler(), rotations.n_points(), REPLICATES)?;
         samplers.push(rotations);
     }
-    let progress = Progress::new(work, &plan.effort.session);
+    let progress = Progress::new(work, plan.effort.session);
     let mut rows = Vec::new();
     for (case, rotations) in cases.iter().zip(&samplers) {
         progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));

@@ -195,12 +195,12 @@ pub(super) fn run(
     check(plan, cases)?;
     let warped = cases.iter().filter_map(DirectionCase::warped).map(|case| &case.pattern);
     let pulled_back =
-        WarpedIntegrals::new(plan.integrals, plan.domain, &plan.effort.session, warped)?;
+        WarpedIntegrals::new(plan.integrals, plan.domain, plan.effort.session, warped)?;
     let mut warped = pulled_back.predictors(&plan.effort)?;
     let adapted = AdaptedDensities::new(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
-            integral.integrand.announce_energies(plan.domain, lmax, &plan.effort.session);
+            integral.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
         }
     };
     let integrals = plan.integrals.all().iter();
@@ -225,7 +225,7 @@ pub(super) fn run(
             DirectionCase::Adapted(case) => adapted.work(case, &plan.effort),
         };
     }
-    let progress = Progress::new(work, &plan.effort.session);
+    let progress = Progress::new(work, plan.effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&case.stage());
@@ -265,7 +265,7 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[DirectionCase]) -> Result<(), CliE
 /// Rejects cases of uniform patterns that cannot be run.
 pub(super) fn check_uniform(plan: &Plan<'_>, cases: &[&Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
-    plan.integrand.announce_bias(plan.domain, &plan.effort.session);
+    plan.integrand.announce_bias(plan.domain, plan.effort.session);
     let SpectrumOptions { method, epsilon, .. } = plan.effort.spectra;
     for case in cases {
         let n_points = case.n_points();

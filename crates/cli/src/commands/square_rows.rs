@@ -72,7 +72,7 @@ pub(super) fn run(
             work += predictor.work(case.sampler())?;
         }
     }
-    let progress = Progress::new(work, &effort.session);
+    let progress = Progress::new(work, effort.session);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));

@@ -103,7 +103,7 @@ pub(super) fn run(
         .collect::<Result<_, _>>()?;
     let trials = |row: &Row| row.comparison.measurement.estimates().len();
     let work = sphere.iter().zip(rows).map(|(s, r)| trials(r) as f64 * trial_work(&**s)).sum();
-    let progress = Progress::new(work, &plan.effort.session);
+    let progress = Progress::new(work, plan.effort.session);
     let mut records = Vec::new();
     for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
         let m = sampler.n_points();

@@ -45,22 +45,22 @@ impl PictureArray {
         name: &str,
         choice: &ChannelChoice,
     ) -> Result<ChannelImage, FileError> {
-        let weights = match choice.channel() {
+        let wanted = choice.layer.as_deref().unwrap_or(choice.channel());
+        let single = match wanted {
             _ if choice.layer.is_some() => None,
-            "luminance" => Some(LUMINANCE),
-            "r" => Some([1.0, 0.0, 0.0]),
-            "g" => Some([0.0, 1.0, 0.0]),
-            "b" => Some([0.0, 0.0, 1.0]),
+            "luminance" => Some(None),
+            "r" => Some(Some(0)),
+            "g" => Some(Some(1)),
+            "b" => Some(Some(2)),
             _ => None,
         };
-        let wanted = choice.layer.as_deref().unwrap_or(choice.channel());
-        let weights = weights.ok_or_else(|| unknown_channel(name, wanted, CHANNELS.to_owned()))?;
-        let single = weights.iter().position(|weight| *weight == 1.0);
+        let single: Option<usize> =
+            single.ok_or_else(|| unknown_channel(name, wanted, CHANNELS.to_owned()))?;
         let value = |texel: &[f64]| match (texel, single) {
             ([grey], _) => *grey,
-            // The weights 0 would make NaN of infinite texels of other channels.
+            // Weights of 0 would make NaN of infinite texels of other channels.
             (colours, Some(channel)) => colours[channel],
-            (colours, None) => colours.iter().zip(weights).map(|(x, w)| w * x).sum(),
+            (colours, None) => colours.iter().zip(LUMINANCE).map(|(x, w)| w * x).sum(),
         };
         let values = self.texels.chunks_exact(self.channels).map(value).collect();
         let (width, height) = (self.width, self.height);

@@ -104,7 +104,8 @@ fn lists_take_no_more_work_than_all_prefixes() {
         };
         let (got, expected) =
             (work(name, 50_000, &[5_000, 50_000]), single(5_000) + single(50_000));
-        assert!((got / expected - 1.0).abs() < 1e-9, "{name}: {got}, {expected}");
+        // A prefix may take somewhat less work than a set of its own.
+        assert!((0.9..=1.000_001).contains(&(got / expected)), "{name}: {got}, {expected}");
     }
 }
 
