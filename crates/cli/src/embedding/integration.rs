@@ -10,6 +10,7 @@ use crate::args::Command;
 use crate::commands::integrate::Integrated;
 use crate::error::CliError;
 use crate::integrands::parse_integrand;
+use crate::memory::check_degree;
 use crate::report::Document;
 
 /// The result of `integrate`, also where the tolerance is not met.
@@ -97,6 +98,7 @@ impl Session {
     ///
     /// Those of [`integrand`](Self::integrand) and [`Integrand::energy`].
     pub fn energy(&self, text: &str, domain: Domain, lmax: usize) -> Result<Energy, Failure> {
+        check_degree("lmax", lmax)?;
         let failed = |error| Failure::of_run(CliError::Failed(format!("{text}: {error}")), self);
         self.integrand(text)?.energy(domain, lmax).map_err(failed)
     }

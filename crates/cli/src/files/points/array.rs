@@ -32,6 +32,12 @@ pub(crate) fn points_of_array<P: FilePoint>(
     let layout =
         Table { path: name, place, columns: &columns, has_names: true, options }.layout()?;
     let sources: Vec<usize> = layout.slots.iter().map(|slot| slot.column).collect();
+    // Slots are the coordinates in their order, then the others.
+    let is_plain = layout.value.is_none()
+        && layout.sigma.is_none()
+        && layout.set.is_none()
+        && sources.iter().take(names.len()).copied().eq(0..names.len());
+    let weights = table.weights.as_deref().filter(|_| layout.weight.is_some());
     let mut collector = PointCollector::new(name, layout, options)?;
     let n_of_set = table.len() / table.sets.unwrap_or(1).max(1);
     for (index, coordinates) in table.coordinates.chunks_exact(names.len()).enumerate() {
@@ -40,6 +46,11 @@ pub(crate) fn points_of_array<P: FilePoint>(
             collector.next_set();
         }
         let place = if table.sets.is_some() { Place::RowOfSet(set, row) } else { Place::Row(row) };
+        // Most rows, without a look at each of their columns.
+        let weight = weights.map(|weights| weights[index]);
+        if is_plain && collector.plain_row(place, coordinates, weight)? {
+            continue;
+        }
         collector.row(place, |slot| {
             Cell::Number(match sources[slot].checked_sub(names.len()) {
                 None => coordinates[sources[slot]],

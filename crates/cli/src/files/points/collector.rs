@@ -161,30 +161,58 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         cell: impl Fn(usize) -> Cell<'c>,
     ) -> Result<(), FileError> {
         match P::of_row(self, place, &cell) {
-            Ok(Row { point, weight, value }) => {
+            Ok(row) => {
                 if let Some(set) = self.layout.set {
                     self.select(cell(set));
                 }
-                let set = &mut self.sets[self.current];
-                if set.is_empty() {
-                    self.starts[self.current] = place;
-                }
-                if let Some(z) = point.below() {
-                    self.below.get_or_insert((place, self.current, z));
-                }
-                set.points.push(point);
-                if let Some(weight) = weight {
-                    set.weights.push(weight);
-                }
-                self.values.extend(value);
-                self.points += 1;
-                if self.points.is_multiple_of(STEP) {
-                    self.check_memory()?;
-                }
-                Ok(())
+                self.push(place, row)
             }
             Err(error) => self.skip(place, error),
         }
+    }
+
+    /// Adds the point with these coordinates and this weight, and returns whether it could be added
+    /// as it is: others are left to [`row`](Self::row), with its messages. The layout has the
+    /// coordinates in their order, and neither a column of sets nor one of values.
+    ///
+    /// # Errors
+    ///
+    /// If the memory does not suffice.
+    pub(super) fn plain_row(
+        &mut self,
+        place: Place,
+        coordinates: &[f64],
+        weight: Option<f64>,
+    ) -> Result<bool, FileError> {
+        if !weight.is_none_or(f64::is_finite) {
+            return Ok(false);
+        }
+        match P::of_coordinates(coordinates, place, &mut self.lengths) {
+            Some(point) => self.push(place, Row { point, weight, value: None }).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
+    /// Adds a point to the current set.
+    fn push(&mut self, place: Place, row: Row<P>) -> Result<(), FileError> {
+        let Row { point, weight, value } = row;
+        let set = &mut self.sets[self.current];
+        if set.is_empty() {
+            self.starts[self.current] = place;
+        }
+        if let Some(z) = point.below() {
+            self.below.get_or_insert((place, self.current, z));
+        }
+        set.points.push(point);
+        if let Some(weight) = weight {
+            set.weights.push(weight);
+        }
+        self.values.extend(value);
+        self.points += 1;
+        if self.points.is_multiple_of(STEP) {
+            self.check_memory()?;
+        }
+        Ok(())
     }
 
     /// Skips a row that cannot be used, or returns its error if skipping is not requested.

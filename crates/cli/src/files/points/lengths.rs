@@ -15,7 +15,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Statistics of the lengths of the vectors of a file.
 #[derive(Debug, Default)]
-pub(super) struct Lengths {
+pub(crate) struct Lengths {
     /// The number of lengths that differ from 1 by more than [`TOLERANCE`].
     rescaled: usize,
     /// The number of lengths that differ from 1 by more than [`FAR`].

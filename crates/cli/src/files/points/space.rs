@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use sphvar_samplers::Point;
 
 use super::collector::{Cell, PointCollector, Row};
+use super::lengths::Lengths;
 use super::roles::{SPHERE_SYSTEMS, SQUARE_SYSTEMS, role_of};
 use crate::files::file_error::{FileError, Place};
 
@@ -97,6 +98,10 @@ pub(crate) trait FilePoint: Point {
         cell: &impl Fn(usize) -> Cell<'c>,
     ) -> Result<Row<Self>, FileError>;
 
+    /// Returns the point with these coordinates, or `None` if it needs a message or another change than
+    /// that of its length. It is that of [`of_row`](Self::of_row).
+    fn of_coordinates(coordinates: &[f64], place: Place, lengths: &mut Lengths) -> Option<Self>;
+
     /// Returns z, if the point lies below the plane z = 0 by more than rounding, so that the
     /// hemisphere does not have it.
     fn below(&self) -> Option<f64> {
@@ -123,6 +128,11 @@ impl FilePoint for DVec3 {
         cell: &impl Fn(usize) -> Cell<'c>,
     ) -> Result<Row<Self>, FileError> {
         points.direction(place, cell)
+    }
+
+    fn of_coordinates(coordinates: &[f64], place: Place, lengths: &mut Lengths) -> Option<Self> {
+        let vector = Self::from_array(coordinates.try_into().ok()?);
+        if vector.is_finite() { lengths.direction(vector, place) } else { None }
     }
 
     fn below(&self) -> Option<f64> {
@@ -175,5 +185,10 @@ impl FilePoint for [f64; 2] {
         points.n_far += usize::from(is_far);
         let (weight, value) = points.weight_and_value(place, cell)?;
         Ok(Row { point, weight, value })
+    }
+
+    fn of_coordinates(coordinates: &[f64], _: Place, _: &mut Lengths) -> Option<Self> {
+        let point: Self = coordinates.try_into().ok()?;
+        point.iter().all(|value| (0.0..1.0).contains(value)).then_some(point)
     }
 }
