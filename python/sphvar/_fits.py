@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import checked, warn_of, words
+from ._checks import degree as checked_degree
 from ._given import PointsLike, given_points
 from ._inputs import Inputs
 from ._progress import Progress, reporting
@@ -356,7 +357,7 @@ def weights(
     True
     """
     options = dict(
-        degree=degree,
+        degree=None if degree is None else checked_degree("degree", degree),
         nonnegative=nonnegative,
         hemisphere=hemisphere,
         columns=columns,
@@ -440,7 +441,7 @@ def fit(
     array([1., 1.])
     """
     options = dict(
-        lmax=lmax,
+        lmax=checked_degree("lmax", lmax),
         ridge=ridge,
         hemisphere=hemisphere,
         columns=columns,

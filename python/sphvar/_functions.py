@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, Union, runtime_check
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._checks import degree as checked_degree
+from ._checks import unmasked, whole
+
 if TYPE_CHECKING:
     from . import _sphvar
 
@@ -93,10 +96,10 @@ class Function:
         self.function = function
         #: Its name in messages.
         self.name = _name_of(function) if name is None else name
+        counts = {"min_evaluations": min_evaluations, "max_evaluations": max_evaluations}
         found = {
             "tolerance": tolerance,
-            "min_evaluations": min_evaluations,
-            "max_evaluations": max_evaluations,
+            **{key: None if n is None else whole(key, n, 1, 2**53) for key, n in counts.items()},
             "hemisphere": hemisphere or None,
         }
         if degree is None and edges is not None:
@@ -106,7 +109,7 @@ class Function:
             if given:
                 raise ValueError(f"{given[0]}: the degree is given, so nothing is found")
         #: The degree, or None where it is found.
-        self.degree = degree
+        self.degree = None if degree is None else checked_degree("degree", degree)
         self._edges = None if edges is None else [_edge(axis, angle) for axis, angle in edges]
         self._found: dict[str, Any] = {k: value for k, value in found.items() if value is not None}
 
@@ -143,7 +146,7 @@ class HealpixMap:
     nest
         Whether they are in nested order, for which nside is a power of two; otherwise in ring order.
     missing
-        What pixels without a value (NaN, infinite or healpy's UNSEEN) are: ``"error"``, ``"0"`` or
+        What pixels without a value (NaN, infinite, masked or healpy's UNSEEN) are: ``"error"``, ``"0"`` or
         the ``"mean"`` of the others.
     name
         Its name in results.
@@ -163,6 +166,11 @@ class HealpixMap:
         missing: str = "error",
         name: str = "map",
     ) -> None:
+        if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+            # A pixel without a value, as UNSEEN is.
+            filled = np.array(_real("values", values.data))
+            filled[np.ma.getmaskarray(values)] = np.nan
+            values = filled
         self.values = _real("values", values)
         if self.values.ndim != 1 or not _is_map(self.values.size):
             raise ValueError(f"values: expected shape (12 nside**2,), got {self.values.shape}")
@@ -222,7 +230,7 @@ class Environment:
         rotate: float = 0.0,
         name: str = "image",
     ) -> None:
-        self.image = np.asarray(image)
+        self.image = unmasked("image", image)
         if self.image.dtype.kind in "iub":
             raise TypeError(
                 f"image: expected linear values as floats, got dtype {self.image.dtype}: the values of "
@@ -269,7 +277,7 @@ class Coefficients:
     """
 
     def __init__(self, alm: ArrayLike, *, name: str = "alm") -> None:
-        self.alm = np.asarray(alm)
+        self.alm = unmasked("alm", alm)
         if self.alm.dtype.kind not in "fiuc":
             raise TypeError(f"alm: expected complex numbers, got dtype {self.alm.dtype}")
         if self.alm.ndim != 1 or not _is_triangular(self.alm.size):
@@ -326,7 +334,7 @@ class Energies:
             raise ValueError(f"values: expected shape (lmax + 1,), got {self.values.shape}")
         self.errors = None if errors is None else _real("errors", errors)
         self.quantity = quantity
-        self.field = int(field)
+        self.field = whole("field", field)
         self.name = name
 
     def __repr__(self) -> str:
@@ -441,7 +449,7 @@ def _wrapped(value: Any, label: str | None) -> Given:
     if callable(value):
         return Function(value, **named)
     try:
-        array = np.asarray(value)
+        array: NDArray[Any] = np.asanyarray(value)
     except ValueError as error:
         raise ValueError(f"integrand: expected a text, a callable or an array: {error}") from None
     kind, shape = array.dtype.kind, array.shape
@@ -464,7 +472,7 @@ def _wrapped(value: Any, label: str | None) -> Given:
 
 
 def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    array = np.asarray(values)
+    array = unmasked(name, values)
     if array.dtype.kind not in "fiu" and array.size:
         raise TypeError(f"{name}: expected real numbers, got dtype {array.dtype}")
     return array.astype(np.float64, copy=False)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping
-from typing import Any, ClassVar, Union
+from typing import Any, ClassVar, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -242,7 +241,7 @@ def evaluate(integrand: IntegrandLike, points: ArrayLike) -> NDArray[np.float64]
 
 
 def energies(
-    integrand: IntegrandLike, lmax: int, *, hemisphere: bool = False
+    integrand: IntegrandLike, lmax: SupportsIndex, *, hemisphere: bool = False
 ) -> NDArray[np.float64]:
     """Return the energies of an integrand per degree, ``E(l) = sum over m of |F_lm|**2``.
 
@@ -251,7 +250,7 @@ def energies(
     integrand
         The integrand.
     lmax
-        The largest degree.
+        The largest degree, from 0 to 1000000.
     hemisphere
         Whether they are those of the even extension from the hemisphere z >= 0.
 
@@ -269,4 +268,4 @@ def energies(
     """
     session = _sphvar.Session()
     text = Inputs(session, [integrand]).integrand(integrand)
-    return session.energies(text, operator.index(lmax), bool(hemisphere))[0]
+    return session.energies(text, lmax, bool(hemisphere))[0]

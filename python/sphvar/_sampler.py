@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import sys
 from typing import Any, Final, SupportsIndex, TypeAlias, Union
 
@@ -11,13 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import warn
+from ._checks import STREAMS, seed_of, unmasked, whole
 from ._progress import Progress, reporting
 
 #: Sets of points of shape (m, n, 3), or a list of sets where their numbers of points differ.
 PointSets: TypeAlias = Any
-
-# The number of sets, and the seeds, that random streams distinguish.
-_STREAMS: Final = 2**64
 
 
 class Sampler:
@@ -35,7 +32,7 @@ class Sampler:
         takes vectors of any length. A tuple is one of points and weights of shape (n,) or (m, n).
     n : int, optional
         The number of points of a set. Points that are given have a number of their own, as have
-        ``"file:PATH"`` and ``"design:t=T"``.
+        ``"file:PATH"`` and ``"design:t=T"``; another `n` for given points is an error.
     seed : int, optional
         The seed of all random numbers, from 0 to 2**64 - 1.
     hemisphere : bool, optional
@@ -54,8 +51,11 @@ class Sampler:
 
     Raises
     ------
+    TypeError
+        If an argument has another type; `n` and `seed` are integers, not truth values or floats.
     ValueError
-        If the sampler, a parameter or the number of points is invalid.
+        If the sampler, a parameter or the number of points is invalid, or elements of an array are
+        masked.
     OSError
         If a file cannot be read.
     MemoryError
@@ -114,8 +114,8 @@ class Sampler:
             raise ValueError("rotate does not apply to square; use shift")
         if shift and not square:
             raise ValueError("shift requires square; use rotate for directions")
-        self._requested = None if n is None else operator.index(n)
-        self._seed = _seed(seed)
+        self._requested = _count(n)
+        self._seed = seed_of(seed)
         self._options = {
             "hemisphere": bool(hemisphere),
             "square": bool(square),
@@ -128,8 +128,13 @@ class Sampler:
         if not isinstance(spec, str):
             points, weights = spec if isinstance(spec, tuple) and len(spec) == 2 else (spec, None)
             # A copy, so that later changes of the array change neither sets nor what is pickled.
-            self._given = _frozen(points), None if weights is None else _frozen(weights)
+            self._given = (
+                _frozen("points", points),
+                None if weights is None else _frozen("weights", weights),
+            )
         self._build()
+        if self._given is not None and self._requested not in (None, self.n):
+            raise ValueError(f"n = {self._requested}, but there are {self.n} points in each given set")
         self._position = 0
         self._weights: Any = None
 
@@ -139,7 +144,7 @@ class Sampler:
         self._native = _sphvar.NumberedSets(
             "square" if options["square"] else "directions",
             self._spec,
-            _count(self._requested),
+            self._requested,
             self._seed,
             options["hemisphere"],
             options["rotate"] or options["shift"],
@@ -260,13 +265,11 @@ class Sampler:
         """
         native = self._native
         in_order = m is None and native.n_given is not None
-        count = (native.n_given or 1) if m is None else operator.index(m)
-        if count < 1:
-            raise ValueError(f"m must be at least 1, got {count}")
+        count = (native.n_given or 1) if m is None else whole("m", m, 1)
         if count * native.n_points > sys.maxsize // 64:
             raise MemoryError(f"{count} sets of {native.n_points} points do not fit in memory")
-        if self._position + count > _STREAMS:
-            raise ValueError(f"sets are numbered up to {_STREAMS - 1}")
+        if self._position + count > STREAMS:
+            raise ValueError(f"sets are numbered up to {STREAMS - 1}")
         if progress is None:
             points, weights = native.draw(self._position, count, in_order, None)
         else:
@@ -315,11 +318,9 @@ class Sampler:
         >>> sphvar.Sampler("white-noise", 10).fast_forward(10**9).position
         1000000000
         """
-        k = operator.index(k)
-        if k < 0:
-            raise ValueError(f"k must be at least 0, got {k}")
-        if self._position + k > _STREAMS:
-            raise ValueError(f"sets are numbered up to {_STREAMS - 1}")
+        k = whole("k", k)
+        if self._position + k > STREAMS:
+            raise ValueError(f"sets are numbered up to {STREAMS - 1}")
         self._position += k
         self._weights = None
         return self
@@ -424,11 +425,9 @@ def rotations(
         raise ValueError(
             f"format must be quaternions, matrices, euler or euler-degrees, got {format!r}"
         )
-    count = 1 if realizations is None else operator.index(realizations)
-    if count < 1:
-        raise ValueError(f"realizations must be at least 1, got {count}")
+    count = 1 if realizations is None else whole("realizations", realizations, 1)
     native = _sphvar.NumberedSets(
-        format, spec, _count(operator.index(n)), _seed(seed), False, bool(rotate), bool(nearest), None, None
+        format, spec, _count(n), seed_of(seed), False, bool(rotate), bool(nearest), None, None
     )
     if count * native.n_points > sys.maxsize // 128:
         raise MemoryError(f"{count} sets of {native.n_points} rotations do not fit in memory")
@@ -474,24 +473,26 @@ def _parameter(name: str, value: Any) -> str:
     raise TypeError(f"{name}: expected a number, a text or a truth value, got {type(value).__name__}")
 
 
-def _seed(seed: SupportsIndex) -> int:
-    number = operator.index(seed)
-    if not 0 <= number < _STREAMS:
-        raise ValueError(f"seed must be from 0 to {_STREAMS - 1}, got {number}")
+def _count(n: SupportsIndex | None) -> int | None:
+    number = None if n is None else whole("n", n, 1)
+    if number is not None and number > sys.maxsize:
+        raise MemoryError(f"a set of {number} points does not fit in memory")
     return number
 
 
-def _count(n: int | None) -> int | None:
-    if n is not None and n < 1:
-        raise ValueError(f"n must be at least 1, got {n}")
-    if n is not None and n > sys.maxsize:
-        raise MemoryError(f"a set of {n} points does not fit in memory")
-    return n
-
-
-def _frozen(array: ArrayLike) -> NDArray[Any]:
-    if np.ma.isMaskedArray(array):
-        raise ValueError("masked arrays are not supported; pass the values that are not masked")
+def _frozen(name: str, given: ArrayLike) -> NDArray[Any]:
+    """Return a copy that cannot be changed."""
+    array = unmasked(name, given)
+    if array.dtype.kind not in "fiu" and array.size:
+        raise TypeError(
+            f"{name}: expected real numbers, got {type(given).__name__} of dtype {array.dtype}; a sampler "
+            "is a text, an array of points or a tuple of points and weights"
+        )
+    if array.ndim == 0 and not isinstance(given, (np.generic, np.ndarray)):
+        raise TypeError(
+            f"a sampler is a text, an array of points or a tuple of points and weights, got {given!r}"
+        )
+    _sphvar.check_memory(name, array.size)
     copy = np.array(array, order="C")
     copy.flags.writeable = False
     return copy

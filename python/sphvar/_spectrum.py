@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _sphvar
 from ._ask import checked, warn_of, words
 from ._functions import IntegrandLike
+from ._checks import degree, seed_of, whole
 from ._given import Path, given_points
 from ._inputs import Inputs
 from ._progress import Progress, reporting
@@ -534,9 +535,9 @@ def spectrum(
     """
     options: dict[str, Any] = dict(
         n=n,
-        lmax=lmax,
+        lmax=None if lmax is None else degree("lmax", lmax),
         kmax=kmax,
-        realizations=realizations,
+        realizations=None if realizations is None else whole("realizations", realizations, 1),
         hemisphere=hemisphere,
         square=square,
         nearest=nearest,
@@ -573,7 +574,7 @@ def spectrum(
             raise ValueError(f"weights: they are for points, not for the sampler {points}")
         if density is not None:
             question += words("", [], {"density": inputs.integrand(density)})[1:]
-        question.append(f"--seed={0 if seed is None else operator.index(seed)}")
+        question.append(f"--seed={0 if seed is None else seed_of(seed)}")
         part = None if shard is None else _part(shard)
         sums = _sphvar.spectrum(session, question, part)
         warn_of(session)

@@ -7,16 +7,17 @@ use numpy::{
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyInt};
+use pyo3::types::{PyFloat, PyInt, PySlice};
 use sphvar::glam::DVec3;
+use sphvar_cli::embedding::check_memory;
 
-use crate::errors::value_error;
+use crate::errors::{of_failure, value_error};
 
 /// Returns an array-like object as a numpy array of `float64`, without a copy where it is one.
 /// `name` is its name in messages.
 ///
 /// Integers and floats of every size and byte order are converted; other types are a `TypeError`, and
-/// masked arrays a `ValueError`. The elements may be read only while the interpreter's lock is held:
+/// masked elements a `ValueError`. The elements may be read only while the interpreter's lock is held:
 /// without it, other threads may write to an array that was not copied.
 pub(crate) fn float_array<'py>(
     name: &str,
@@ -55,12 +56,7 @@ fn number_array<'py, T: Element + FromPyObjectOwned<'py>>(
         return Ok(array.try_readonly()?);
     }
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asanyarray", (object,))?;
-    if numpy.getattr("ma")?.call_method1("isMaskedArray", (&array,))?.extract()? {
-        return Err(value_error(format!(
-            "{name}: masked arrays are not supported; pass the values that are not masked"
-        )));
-    }
+    let array = unmasked(name, object)?;
     let ndim: usize = array.getattr("ndim")?.extract()?;
     if ndim > MAX_DIMENSIONS {
         return Err(value_error(format!("{name}: an array has at most 32 dimensions, got {ndim}")));
@@ -81,6 +77,7 @@ fn number_array<'py, T: Element + FromPyObjectOwned<'py>>(
         return Err(value_error(format!("{name}: an integer is above {}", i64::MAX)));
     }
     // A copy unless it is an aligned array of this type.
+    check_copy::<T>(name, array.getattr("size")?.extract()?)?;
     let requirements = ["ALIGNED", "ENSUREARRAY"];
     let array = numpy.call_method1("require", (array, dtype, requirements))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
@@ -88,6 +85,35 @@ fn number_array<'py, T: Element + FromPyObjectOwned<'py>>(
         return Ok(array.call_method0("copy")?.cast::<PyArrayDyn<T>>()?.try_readonly()?);
     }
     Ok(array.try_readonly()?)
+}
+
+/// Returns an array-like object as an array without masked elements, whose numbers are not values.
+pub(crate) fn unmasked<'py>(name: &str, object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = object.py().import("numpy")?;
+    let array = numpy.call_method1("asanyarray", (object,))?;
+    if array.is_exact_instance_of::<PyUntypedArray>() {
+        return Ok(array);
+    }
+    // False if no element of a masked array is masked.
+    if numpy.getattr("ma")?.call_method1("is_masked", (&array,))?.is_truthy()? {
+        return Err(value_error(format!(
+            "{name}: elements are masked; pass those that are not, as array[~mask] is"
+        )));
+    }
+    numpy.call_method1("asarray", (array,))
+}
+
+/// Copies of fewer bytes are made without a look at the available memory, which takes longer.
+const SMALL_BYTES: f64 = (64 << 20) as f64;
+
+/// Returns a `MemoryError` if `len` elements do not fit in memory: the system may promise more than
+/// it has, and then ends the process that uses it.
+pub(crate) fn check_copy<T>(name: &str, len: usize) -> PyResult<()> {
+    let bytes = len as f64 * size_of::<T>() as f64;
+    if bytes <= SMALL_BYTES {
+        return Ok(());
+    }
+    check_memory(&format!("{name}: a copy of {len} numbers"), bytes).map_err(of_failure)
 }
 
 /// Returns whether an array can be viewed: its elements lie at multiples of their size, and an array
@@ -109,49 +135,88 @@ pub(crate) fn floats(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>
     if array.ndim() != 1 {
         return Err(shape_error(name, "(n,)", array.shape()));
     }
-    elements(&array)
+    elements(name, &array)
 }
 
-/// Returns an array-like object of shape `(n, D)`.
-pub(crate) fn rows<const D: usize>(
-    name: &str,
-    object: &Bound<'_, PyAny>,
-) -> PyResult<Vec<[f64; D]>> {
+/// Returns the numbers of an array-like object of shape `(n, d)`, row by row.
+pub(crate) fn rows(name: &str, object: &Bound<'_, PyAny>, d: usize) -> PyResult<Vec<f64>> {
     let array = float_array(name, object)?;
     match *array.shape() {
-        [_, last] if last == D => Ok(in_rows(elements(&array)?)),
-        _ => Err(shape_error(name, &format!("(n, {D})"), array.shape())),
+        [_, last] if last == d => elements(name, &array),
+        _ => Err(shape_error(name, &format!("(n, {d})"), array.shape())),
     }
 }
 
-/// Returns an array-like object of shape `(n, D)` or `(m, n, D)`, the points of one set or of several,
-/// and that shape without D.
-pub(crate) fn sets<const D: usize>(
+/// Returns the numbers of an array-like object of shape `(n, d)` or `(m, n, d)`, the points of one set
+/// or of several, and that shape without d.
+pub(crate) fn sets(
     name: &str,
     object: &Bound<'_, PyAny>,
-) -> PyResult<(Vec<[f64; D]>, Vec<usize>)> {
+    d: usize,
+) -> PyResult<(Vec<f64>, Vec<usize>)> {
     let array = float_array(name, object)?;
     match *array.shape() {
-        [ref shape @ .., last] if last == D && matches!(shape.len(), 1 | 2) => {
-            Ok((in_rows(elements(&array)?), shape.to_vec()))
+        [ref shape @ .., last] if last == d && matches!(shape.len(), 1 | 2) => {
+            Ok((elements(name, &array)?, shape.to_vec()))
         }
-        _ => Err(shape_error(name, &format!("(n, {D}) or (m, n, {D})"), array.shape())),
+        _ => Err(shape_error(name, &format!("(n, {d}) or (m, n, {d})"), array.shape())),
     }
 }
 
-/// Returns a copy of the elements in C order.
-pub(crate) fn elements<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<T>> {
+/// The number of elements that are copied between two looks at signals.
+const PART: usize = 1 << 20;
+
+/// Returns a copy of the elements in C order, or a `MemoryError` before it is made. `name` is the name
+/// of the array in messages. Signals are handled.
+pub(crate) fn elements<T: Element + Copy>(
+    name: &str,
+    array: &PyReadonlyArrayDyn<'_, T>,
+) -> PyResult<Vec<T>> {
+    check_copy::<T>(name, array.len())?;
     let mut all = reserved(array.len())?;
-    // A slice of an array in Fortran order would have its elements in that order.
-    match array.as_slice() {
-        Ok(slice) if array.is_c_contiguous() => all.extend_from_slice(slice),
-        _ => all.extend(array.as_array().iter().copied()),
-    }
+    append(array, &mut all)?;
     Ok(all)
 }
 
-fn in_rows<const D: usize>(numbers: Vec<f64>) -> Vec<[f64; D]> {
-    numbers.as_chunks().0.to_vec()
+/// Appends the elements in C order, part by part. numpy makes copies of parts in another order: it
+/// visits the memory in a better order than its views in Rust do.
+fn append<T: Element + Copy>(array: &Bound<'_, PyArrayDyn<T>>, all: &mut Vec<T>) -> PyResult<()> {
+    let py = array.py();
+    let len = array.len();
+    if len == 0 {
+        return Ok(());
+    }
+    // A slice of an array in Fortran order would have its elements in that order.
+    if array.is_c_contiguous()
+        && let Ok(view) = array.try_readonly()
+        && let Ok(slice) = view.as_slice()
+    {
+        for part in slice.chunks(PART) {
+            all.extend_from_slice(part);
+            if len > PART {
+                py.check_signals()?;
+            }
+        }
+        return Ok(());
+    }
+    let n_rows = array.shape().first().copied().unwrap_or(1);
+    if len <= PART || array.ndim() == 0 {
+        let copy = py.import("numpy")?.call_method1("ascontiguousarray", (array,))?;
+        let copy = copy.cast::<PyArrayDyn<T>>()?.try_readonly()?;
+        all.extend_from_slice(copy.as_slice()?);
+        return py.check_signals();
+    }
+    let step = (PART / (len / n_rows)).max(1);
+    for start in (0..n_rows).step_by(step) {
+        let end = (start + step).min(n_rows);
+        let part = if step == 1 {
+            array.get_item(start)?
+        } else {
+            array.get_item(PySlice::new(py, start as isize, end as isize, 1))?
+        };
+        append(part.cast::<PyArrayDyn<T>>()?, all)?;
+    }
+    Ok(())
 }
 
 /// Returns an empty vector that takes `len` elements, or a `MemoryError`: an allocation that fails
@@ -214,4 +279,15 @@ pub(crate) fn or_scalar<'py, T: Element, D>(
     array: Bound<'py, PyArray<T, D>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     if array.ndim() == 0 { array.get_item(()) } else { Ok(array.into_any()) }
+}
+
+/// Raise a `MemoryError` if a copy of `len` numbers of an array of this name does not fit in memory.
+#[pyfunction]
+#[pyo3(name = "check_memory")]
+fn check_numbers(name: &str, len: usize) -> PyResult<()> {
+    check_copy::<f64>(name, len)
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(check_numbers, module)?)
 }

@@ -3,13 +3,13 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyException, PyRecursionError, PyTypeError};
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyException, PyMemoryError, PyRecursionError, PyTypeError};
 use pyo3::prelude::*;
 use sphvar::glam::DVec3;
 use sphvar::integrands::{Error, Integrand, VectorIntegrand};
 
-use crate::arrays::{elements, of_directions, shape_text};
+use crate::arrays::{elements, of_directions, shape_text, unmasked};
 use crate::errors::value_error;
 
 /// The number of directions of a call at most.
@@ -106,7 +106,7 @@ impl Function {
         if !is_right {
             return Err(self.wrong_shape(py, dirs, returned.shape()));
         }
-        values.copy_from_slice(&elements(&returned.readonly())?);
+        values.copy_from_slice(&elements("values", &returned.readonly())?);
         let width = self.components.unwrap_or(1);
         match values.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
@@ -135,10 +135,12 @@ impl Function {
             Ok(result) => result,
             Err(error) => return Err(self.explained(py, dirs, error)),
         };
-        if let Ok(array) = result.cast::<PyArrayDyn<f64>>() {
+        if result.is_exact_instance_of::<PyUntypedArray>()
+            && let Ok(array) = result.cast::<PyArrayDyn<f64>>()
+        {
             return Ok(array.clone());
         }
-        let array = py.import("numpy")?.call_method1("asarray", (&result,))?;
+        let array = unmasked(&format!("the values of {}", self.name), &result)?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         if !"fiub".contains(&kind) {
             let dtype = array.getattr("dtype")?.str()?;
@@ -159,8 +161,11 @@ impl Function {
     /// Returns the exception of a call with a note on the first direction that raises it alone, or
     /// for a function of a single direction the error that names the expected form.
     fn explained(&self, py: Python<'_>, dirs: &[DVec3], error: PyErr) -> PyErr {
-        // Further calls of a function that calls itself without end would double at each level.
-        if !error.is_instance_of::<PyException>(py) || error.is_instance_of::<PyRecursionError>(py)
+        // A function that calls itself through this package without end would be called again by each
+        // of its calls, which takes time without end too.
+        if !error.is_instance_of::<PyException>(py)
+            || error.is_instance_of::<PyRecursionError>(py)
+            || error.is_instance_of::<PyMemoryError>(py)
         {
             return error;
         }

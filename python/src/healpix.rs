@@ -12,7 +12,7 @@ use sphvar::healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
 use sphvar_cli::embedding::{angles_of_degrees, degrees_of_angles, rounded_colatitude};
 
 use crate::arrays::{
-    float_array, integer_array, of_shape, or_scalar, shape_error, shape_text, zeros,
+    check_copy, float_array, integer_array, of_shape, or_scalar, shape_error, shape_text, zeros,
 };
 use crate::errors::value_error;
 use crate::work;
@@ -78,6 +78,7 @@ impl<'py, T: Element + Copy, const I: usize> Columns<'py, T, I> {
                     .ok_or_else(|| shape_error(names, &shape_text(&shape), array.shape()))?;
                 Column::Small(all.iter().copied().collect())
             } else {
+                check_copy::<T>(names, len)?;
                 let numpy = array.py().import("numpy")?;
                 let shape = PyTuple::new(array.py(), &shape)?;
                 let all = numpy.call_method1("broadcast_to", (&*array, shape))?;

@@ -17,6 +17,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _sphvar(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    arrays::register(module)?;
     command::register(module)?;
     spectrum::register(module)?;
     transforms::register(module)?;

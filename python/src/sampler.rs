@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyUntypedArrayMethods;
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use rayon::prelude::*;
@@ -226,6 +227,7 @@ fn sets_of_a_part(nominal_work: f64) -> usize {
 fn of_samplers(error: &Error) -> PyErr {
     match error {
         Error::Stopped(_) => interrupted(),
+        Error::OutOfMemory { .. } => PyMemoryError::new_err(error.to_string()),
         other => runtime_error(other),
     }
 }
@@ -355,26 +357,18 @@ fn table(
     points: &Bound<'_, PyAny>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PointTable> {
-    let (coordinates, shape) = match kind {
-        Kind::Square => {
-            let (rows, shape) = sets::<2>("points", points)?;
-            (rows.into_flattened(), shape)
-        }
-        _ => {
-            let (rows, shape) = sets::<3>("points", points)?;
-            (rows.into_flattened(), shape)
-        }
-    };
+    let dimension = if matches!(kind, Kind::Square) { 2 } else { 3 };
+    let (coordinates, shape) = sets("points", points, dimension)?;
     let weights = weights.map(|weights| {
         let array = float_array("weights", weights)?;
         if array.shape() != shape {
             return Err(shape_error("weights", &shape_text(&shape), array.shape()));
         }
-        elements(&array)
+        elements("weights", &array)
     });
     Ok(PointTable {
         coordinates,
-        dimension: if matches!(kind, Kind::Square) { 2 } else { 3 },
+        dimension,
         sets: (shape.len() == 2).then(|| shape[0]),
         weights: weights.transpose()?,
         ..PointTable::default()

@@ -13,10 +13,12 @@ use sphvar::samplers::{Progress, Stopped};
 use sphvar_cli::embedding::{self, PointTable};
 
 use crate::arrays::{
-    elements, float_array, floats, of_directions, of_floats, reserved, rows, shape_error,
+    check_copy, elements, float_array, floats, of_directions, of_floats, reserved, rows,
+    shape_error, unmasked, zeros,
 };
 use crate::errors::{of_failure, runtime_error, value_error};
 use crate::function::{Failures, Function};
+use crate::transforms::degree;
 use crate::work;
 
 /// The progress of the run of a session that is under way.
@@ -98,7 +100,7 @@ impl Session {
             [height, width] | [height, width, 3] => (height, width),
             _ => return Err(shape_error("image", "(h, w) or (h, w, 3)", texels.shape())),
         };
-        let texels = elements(&texels)?;
+        let texels = elements("image", &texels)?;
         self.inner.add_picture(name, width, height, texels).map_err(of_failure)
     }
 
@@ -232,7 +234,7 @@ impl Session {
         let is_callable = integrand.starts_with("function:") && !integrand.contains(' ');
         let task = move |session: &embedding::Session| {
             let integrand = session.integrand(&integrand).map_err(of_failure)?;
-            let mut values = vec![0.0; points.len()];
+            let mut values = zeros(points.len())?;
             integrand.eval_into(&points, &mut values).map_err(runtime_error)?;
             Ok(values)
         };
@@ -250,10 +252,10 @@ impl Session {
         &self,
         py: Python<'py>,
         integrand: String,
-        lmax: usize,
+        lmax: &Bound<'py, PyAny>,
         hemisphere: bool,
     ) -> PyResult<(Bound<'py, PyAny>, Option<Bound<'py, PyAny>>)> {
-        let domain = domain(hemisphere);
+        let (domain, lmax) = (domain(hemisphere), degree("lmax", lmax)?);
         let energy = self
             .run(py, move |session| session.energy(&integrand, domain, lmax).map_err(of_failure))?;
         let errors = energy.per_band_stderr().map(|errors| of_floats(py, errors).into_any());
@@ -387,18 +389,21 @@ fn table(
             return Err(shape_error("points", &expected, array.shape()));
         }
     };
+    // The array, and the points that are read from it.
+    check_copy::<[f64; 2]>("points", array.len())?;
     let column = |name: &str, column: Option<&Bound<'_, PyAny>>| -> PyResult<Option<Vec<f64>>> {
         let Some(column) = column else { return Ok(None) };
         let numbers = float_array(name, column)?;
         let per_point = &array.shape()[..array.ndim() - 1];
         if numbers.shape() == per_point {
-            return Ok(Some(elements(&numbers)?));
+            return Ok(Some(elements(name, &numbers)?));
         }
         // One row of weights is that of every set.
         if let (Some(sets), [n]) = (sets, numbers.shape())
             && per_point[1] == *n
         {
-            return Ok(Some(elements(&numbers)?.repeat(sets)));
+            check_copy::<f64>(name, n.saturating_mul(sets))?;
+            return Ok(Some(elements(name, &numbers)?.repeat(sets)));
         }
         let expected: Vec<String> = per_point.iter().map(usize::to_string).collect();
         let comma = if expected.len() == 1 { "," } else { "" };
@@ -406,7 +411,7 @@ fn table(
     };
     let [weights, values, errors] = columns;
     Ok(PointTable {
-        coordinates: elements(&array)?,
+        coordinates: elements("points", &array)?,
         dimension,
         sets,
         weights: column("weights", weights)?,
@@ -419,10 +424,12 @@ fn table(
 fn directions(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     /// The deviation of a length from 1 up to which a vector is a direction.
     const TOLERANCE: f64 = 1e-6;
-    let rows = rows::<3>(name, object)?;
+    let numbers = rows(name, object, 3)?;
+    check_copy::<f64>(name, numbers.len())?;
+    let rows = numbers.as_chunks().0;
     let mut all = reserved(rows.len())?;
-    for (i, row) in rows.into_iter().enumerate() {
-        let dir = DVec3::from_array(row);
+    for (i, row) in rows.iter().enumerate() {
+        let dir = DVec3::from_array(*row);
         let length = dir.length();
         let is_unit = (length - 1.0).abs() <= TOLERANCE;
         if !is_unit {
@@ -457,8 +464,7 @@ fn complex<'py>(
     name: &str,
     object: &Bound<'py, PyAny>,
 ) -> PyResult<PyReadonlyArrayDyn<'py, Complex64>> {
-    let numpy = object.py().import("numpy")?;
-    let array = numpy.call_method1("asarray", (object,))?;
+    let array = unmasked(name, object)?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !"fiuc".contains(&kind) {
         let dtype = array.getattr("dtype")?.str()?;
@@ -466,6 +472,7 @@ fn complex<'py>(
             "{name}: expected an array of complex numbers, got one of dtype {dtype}"
         )));
     }
+    check_copy::<Complex64>(name, array.getattr("size")?.extract()?)?;
     let array = array.call_method1("astype", ("complex128",))?;
     Ok(array.cast::<PyArrayDyn<Complex64>>()?.readonly())
 }

@@ -3,9 +3,12 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use numpy::{Complex64, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{
+    Complex64, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 use rayon::prelude::*;
 use sphvar::glam::DVec3;
 use sphvar::samplers::{Progress, SECONDS_PER_WORK};
@@ -13,7 +16,7 @@ use sphvar::sh::{Alm, LmIndex, MAX_DEGREE};
 use sphvar::sht::{Error, Method, Transform, TransformWorkspace};
 use sphvar_cli::embedding::check_memory;
 
-use crate::arrays::shape_error;
+use crate::arrays::{check_copy, shape_error, unmasked};
 use crate::errors::{of_failure, value_error};
 use crate::work::{self, Watch, interrupted};
 
@@ -47,7 +50,10 @@ impl<T: Element + Copy> Numbers<T> {
     /// are accepted, in the words `what`.
     fn new(name: &str, object: &Bound<'_, PyAny>, kinds: &str, what: &str) -> PyResult<Self> {
         let array = match object.cast::<PyArrayDyn<T>>() {
-            Ok(array) if is_plain(array) => array.clone(),
+            // A masked array is a subclass.
+            Ok(array) if is_plain(array) && object.is_exact_instance_of::<PyUntypedArray>() => {
+                array.clone()
+            }
             _ => converted(name, object, kinds, what)?,
         };
         let (start, len, shape) = (array.data().cast_const(), array.len(), array.shape().to_vec());
@@ -94,7 +100,7 @@ fn converted<'py, T: Element>(
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let py = object.py();
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asarray", (object,))?;
+    let array = unmasked(name, object)?;
     let dtype = array.getattr("dtype")?;
     let kind: String = dtype.getattr("kind")?.extract()?;
     if !kinds.contains(&kind) {
@@ -102,6 +108,7 @@ fn converted<'py, T: Element>(
             "{name}: expected {what}, got an array of dtype {dtype}"
         )));
     }
+    check_copy::<T>(name, array.getattr("size")?.extract()?)?;
     // In C order, aligned, and no subclass.
     let array = numpy.call_method1("require", (array, T::get_dtype(py), ["C", "A", "E"]))?;
     Ok(array.cast_into::<PyArrayDyn<T>>()?)
@@ -110,6 +117,9 @@ fn converted<'py, T: Element>(
 /// Returns a degree, a whole number from 0 to the largest that is supported.
 pub(crate) fn degree(name: &str, object: &Bound<'_, PyAny>) -> PyResult<usize> {
     let is_degree = |degree: &usize| *degree <= MAX_DEGREE;
+    if object.is_instance_of::<PyBool>() {
+        return Err(PyTypeError::new_err(format!("{name}: expected a whole number, got {object}")));
+    }
     if let Some(degree) = object.extract::<usize>().ok().filter(is_degree) {
         return Ok(degree);
     }
@@ -268,9 +278,15 @@ fn points2alm<'py>(
                 (&vectors[i * n..(i + 1) * n], weights.map(|w| &w[of_set(w)]))
             })
             .collect();
-        adjoints(&transform, &inputs, lmax, &|sets| {
+        let values = adjoints(&transform, &inputs, lmax, &|sets| {
             watch.tick(sets as f64 * work).map_err(|_| interrupted())
-        })
+        })?;
+        // Only weights make sums overflow.
+        if values.iter().all(|a| a.is_finite()) {
+            Ok(values)
+        } else {
+            Err(value_error("weights: their sums exceed the largest finite number"))
+        }
     })?;
     let array = PyArray1::from_vec(py, values);
     match sets {
@@ -367,6 +383,9 @@ fn alm2points<'py>(
         let workspace = &mut TransformWorkspace::default();
         transform.synthesis_into(&alm, &vectors, workspace, &mut values);
         watch.tick(work).map_err(|_| interrupted())?;
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(value_error("alm: values exceed the largest finite number"));
+        }
         Ok(values)
     })?;
     Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any())

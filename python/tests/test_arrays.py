@@ -94,7 +94,7 @@ def test_other_types_are_errors(array: object) -> None:
         np.full((2, 3), np.nan),
         np.full((2, 3), np.inf),
         [[1.0, 0.0, 0.0], [1.0, 0.0]],
-        np.ma.masked_array(POINTS, mask=np.zeros_like(POINTS, dtype=bool)),
+        np.ma.masked_array(POINTS, mask=np.eye(len(POINTS), 3, dtype=bool)),
     ],
 )
 def test_other_shapes_and_values_are_errors(array: object) -> None:
