@@ -208,7 +208,9 @@ fn arrays_are_read_as_files() {
                 let name = format!("{before}{file}.{extension}");
                 for after in [" ", ",", ""] {
                     let (from, to) = (format!("{before}{file}{after}"), format!("{name}{after}"));
-                    if !with_files.contains(&name) && (after != "" || with_files.ends_with(&from)) {
+                    if !with_files.contains(&name)
+                        && (!after.is_empty() || with_files.ends_with(&from))
+                    {
                         with_files = with_files.replace(&from, &to);
                     }
                 }
