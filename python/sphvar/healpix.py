@@ -19,18 +19,20 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar as _healpix
 
 __all__ = [
     "ang2pix",
+    "ang2vec",
     "nest2ring",
     "npix2nside",
     "nside2npix",
     "pix2ang",
     "pix2vec",
     "ring2nest",
+    "vec2ang",
     "vec2pix",
 ]
 
@@ -236,6 +238,97 @@ def nest2ring(nside: ArrayLike, ipix: ArrayLike) -> Any:
     [0, 1, 2, 3, 4, 5]
     """
     return _of_nside(lambda nside, pixels: _healpix.reorder(nside, pixels, False), nside, ipix)
+
+
+def ang2vec(theta: ArrayLike, phi: ArrayLike, lonlat: bool = False) -> NDArray[np.float64]:
+    """Return unit vectors of angles, the form in which this package takes points.
+
+    Parameters
+    ----------
+    theta, phi : array_like
+        Colatitude from 0 to pi and longitude in radians or, with `lonlat`, longitude (right ascension)
+        and latitude (declination) in degrees.
+    lonlat : bool, optional
+        Angles are longitude and latitude in degrees.
+
+    Returns
+    -------
+    ndarray
+        Unit vectors of shape (..., 3), where ``...`` is the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        For a colatitude or latitude out of range and for angles that are not finite, with the index of
+        the first.
+
+    Examples
+    --------
+    >>> from sphvar import healpix
+    >>> healpix.ang2vec([0, 90], [0, 90], lonlat=True).round(3).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    first, second = np.broadcast_arrays(np.asarray(theta, np.float64), np.asarray(phi, np.float64))
+    polar, azimuth = (second, first) if lonlat else (first, second)
+    low, high, unit = (-90.0, 90.0, "degrees") if lonlat else (0.0, np.pi, "radians")
+    is_valid = (polar >= low) & (polar <= high) & np.isfinite(azimuth)
+    if not is_valid.all():
+        index = np.unravel_index(int(np.argmin(is_valid)), is_valid.shape)
+        at = "".join(f"[{i}]" for i in index)
+        names = ("latitude", "longitude") if lonlat else ("theta", "phi")
+        raise ValueError(
+            f"{names[0]}{at}: expected {names[0]} from {low:.6g} to {high:.6g} {unit} and a finite "
+            f"{names[1]}, got {polar[index]} and {azimuth[index]}"
+        )
+    if lonlat:
+        polar, azimuth = np.radians(polar), np.radians(azimuth)
+        radius, height = np.cos(polar), np.sin(polar)
+    else:
+        radius, height = np.sin(polar), np.cos(polar)
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), height], axis=-1)
+
+
+def vec2ang(vectors: ArrayLike, lonlat: bool = False) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the angles of vectors.
+
+    Parameters
+    ----------
+    vectors : array_like
+        Vectors of any length other than 0, of shape (3,) or (..., 3).
+    lonlat : bool, optional
+        Return longitude and latitude in degrees.
+
+    Returns
+    -------
+    theta, phi : ndarray
+        Colatitude from 0 to pi and longitude from 0 to 2 pi or, with `lonlat`, longitude from 0 to 360
+        and latitude in degrees; flat arrays with one entry a vector, as in healpy.
+
+    Raises
+    ------
+    ValueError
+        For other shapes, and for a vector without direction, with its index.
+
+    Examples
+    --------
+    >>> from sphvar import healpix
+    >>> longitude, latitude = healpix.vec2ang([[0, -1, 0], [0, 0, 2]], lonlat=True)
+    >>> longitude.tolist(), latitude.tolist()
+    ([270.0, 0.0], [0.0, 90.0])
+    """
+    v = np.asarray(vectors, dtype=np.float64)
+    if v.ndim < 1 or v.shape[-1] != 3:
+        raise ValueError(f"vectors: expected shape (3,) or (..., 3), got {v.shape}")
+    x, y, z = v.reshape(-1, 3).T
+    has_direction = np.isfinite(x + y + z) & ((x != 0) | (y != 0) | (z != 0))
+    if not has_direction.all():
+        index = int(np.argmin(has_direction))
+        raise ValueError(f"vectors[{index}]: expected a direction, got {v.reshape(-1, 3)[index].tolist()}")
+    longitude = np.arctan2(y, x) % (2 * np.pi)
+    radius = np.hypot(x, y)
+    if lonlat:
+        return np.degrees(longitude), np.degrees(np.arctan2(z, radius))
+    return np.arctan2(radius, z), longitude
 
 
 def nside2npix(nside: ArrayLike) -> Any:

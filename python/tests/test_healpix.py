@@ -193,3 +193,34 @@ def test_any_vector_has_a_pixel_whose_centre_is_near(
     unit /= np.linalg.norm(unit)
     # A pixel is no longer than 1.6 radians over nside.
     assert np.linalg.norm(centre - unit) < 1.6 / nside + 1e-15
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.tuples(st.floats(0, np.pi), st.floats(-10, 10)), min_size=1, max_size=5))
+def test_vectors_of_angles_are_those_of_healpy(pairs):
+    healpy = pytest.importorskip("healpy")
+    theta, phi = np.array(pairs).T
+    vectors = healpix.ang2vec(theta, phi)
+    np.testing.assert_allclose(vectors, healpy.ang2vec(theta, phi), atol=1e-15)
+    degrees = np.degrees(phi), 90 - np.degrees(theta)
+    np.testing.assert_allclose(healpix.ang2vec(*degrees, lonlat=True), vectors, atol=1e-13)
+    for lonlat in (False, True):
+        for ours, theirs in zip(healpix.vec2ang(vectors, lonlat), healpy.vec2ang(vectors, lonlat)):
+            assert ours.shape == theirs.shape
+            np.testing.assert_allclose(ours, theirs, atol=1e-7)
+
+
+def test_angles_and_vectors_broadcast_and_are_checked():
+    assert healpix.ang2vec(0, 0).shape == (3,)
+    assert healpix.ang2vec(np.zeros((4, 1)), np.zeros(5)).shape == (4, 5, 3)
+    for angles, lonlat, message in [
+        (([0, 4], 0), False, r"theta\[1\]: expected theta from 0 to 3.14159 radians"),
+        ((0, [[0, 91]]), True, r"latitude\[0\]\[1\]: expected latitude from -90 to 90 degrees"),
+        ((0, np.nan), False, r"^theta: expected .* a finite phi, got 0.0 and nan$"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            healpix.ang2vec(*angles, lonlat=lonlat)
+    with pytest.raises(ValueError, match=r"vectors\[1\]: expected a direction"):
+        healpix.vec2ang([[1, 0, 0], [0, 0, 0]])
+    with pytest.raises(ValueError, match=r"expected shape \(3,\)"):
+        healpix.vec2ang([1, 0])
