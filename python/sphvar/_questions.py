@@ -528,7 +528,8 @@ def progressive(
     integrand
         As for `predict`.
     realizations
-        Trials per measured variance. Default: variances are only predicted.
+        Trials per measured variance, at least 4. Default: 1000; fewer for samplers whose sets are
+        expensive, within a fixed amount of work, but at least 50.
     reference
         Samplers with which sequences are compared at every N, or ``"none"``. Default: ``"fibonacci"``,
         on the square ``"fibonacci-lattice"``.

@@ -88,7 +88,8 @@ class Result:
 
     def _lines(self) -> list[tuple[str, str]]:
         keys = self._shown or tuple(self._document)
-        return [(key, _text(self._document[key])) for key in keys if key in self._document]
+        keys = tuple(key for key in keys if key in self._document)
+        return [(key, _text(self._document[key], self._document.get(_error_of(key)))) for key in keys]
 
     def __repr__(self) -> str:
         lines = self._lines()
@@ -104,8 +105,8 @@ class Result:
 class Table(Result, Sequence[Row]):
     """An answer with rows: a sequence of them, and their columns as arrays.
 
-    Columns are attributes: numpy arrays with one entry a row, in which numbers that cannot be
-    given are NaN.
+    Columns are attributes and items: ``table.n`` and ``table["n"]`` are numpy arrays with one entry a row, in
+    which numbers that cannot be given are NaN.
 
     Attributes
     ----------
@@ -218,8 +219,11 @@ class Table(Result, Sequence[Row]):
     @overload
     def __getitem__(self, index: slice) -> list[Row]: ...
 
-    def __getitem__(self, index: int | slice) -> Row | list[Row]:
-        return self.rows[index]
+    @overload
+    def __getitem__(self, index: str) -> NDArray[Any]: ...
+
+    def __getitem__(self, index: int | slice | str) -> Row | list[Row] | NDArray[Any]:
+        return self.column(index) if isinstance(index, str) else self.rows[index]
 
     def _cells(self) -> tuple[list[str], list[list[str]], int]:
         """Return headings, the cells of the shown rows, and the number of the other rows."""
@@ -398,6 +402,14 @@ class VarianceResult(Table):
         """Return the exponents b of the variance as N^b, where they are known."""
         return {}
 
+    def _notes(self) -> list[str]:
+        # The rows of a table that are shown, by the remark that they have.
+        found: dict[str, list[str]] = {}
+        for row in self.rows[:_SHOWN_ROWS]:
+            if row.get("remark"):
+                found.setdefault(row["remark"], []).append(f"{row['sampler']} N = {row['n']}")
+        return [f"{', '.join(rows)}: {remark}" for remark, rows in found.items()]
+
 
 class ComparisonResult(VarianceResult):
     """A comparison: the rows of `VarianceResult`, with rates and crossovers.
@@ -420,8 +432,8 @@ class ComparisonResult(VarianceResult):
     def _notes(self) -> list[str]:
         rates = self._rates()
         if not rates:
-            return []
-        return ["rates: " + ", ".join(f"{name} N^{rate:.2f}" for name, rate in rates.items())]
+            return super()._notes()
+        return [*super()._notes(), "rates: " + ", ".join(f"{name} N^{rate:.2f}" for name, rate in rates.items())]
 
 
 class ChoiceResult(Table):
@@ -526,7 +538,11 @@ class ChoiceResult(Table):
 
     @property
     def best(self) -> Row:
-        """The first row.
+        """The recommended row; the first one if no sampler is recommended.
+
+        Ranks are those of errors. The recommended row may be another one: a less expensive sampler within
+        10 % of it, or a sampler behind one whose density is the integrand itself, of which the integral
+        is known without samples.
 
         Examples
         --------
@@ -535,10 +551,15 @@ class ChoiceResult(Table):
         >>> choice.best["sampler"]
         'fibonacci'
         """
+        for row in self.rows:
+            text = f"Recommended: {row['sampler']} with N = {row['n']} "
+            if self.recommendation.startswith(text):
+                return row
         return self.rows[0]
 
     def _notes(self) -> list[str]:
-        return [self.recommendation]
+        left_out = [f"Left out: {one['sampler']} ({one['reason']})." for one in self.left_out or []]
+        return [self.recommendation, *left_out]
 
     def plot(self, ax: Axes | None = None, *, best: int = 8) -> Axes:
         """Plot the predicted standard errors of the best samplers against the number of points.
@@ -1309,12 +1330,21 @@ def _is_number(entry: Any) -> bool:
     return isinstance(entry, (int, float)) and not isinstance(entry, bool)
 
 
-def _text(value: Any) -> str:
-    """Return a value as a table shows it."""
+def _error_of(key: str) -> str:
+    """Return the key of the error of a number."""
+    return "error" if key == "value" else f"{key}_error"
+
+
+def _text(value: Any, error: Any = None) -> str:
+    """Return a value as a table shows it: with four digits, or those that its error justifies."""
     if value is None:
         return "-"
     if isinstance(value, float):
-        return f"{value:.4g}"
+        digits = 4
+        if isinstance(error, float) and 0 < error < abs(value) < np.inf:
+            # To the second digit of the error, and to no more digits than a number has.
+            digits = min(max(digits, int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2), 17)
+        return f"{value:.{digits}g}"
     if isinstance(value, (list, tuple)):
         if len(value) > 4:
             return f"{len(value)} entries"

@@ -245,3 +245,43 @@ def test_pandas(results, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match="pip install pandas"):
         results[0].to_pandas()
+
+
+def test_values_show_the_digits_that_errors_justify():
+    assert _results._text(1.5707868123, 1.202e-6) == "1.5707868"
+    assert _results._text(1.5707868123, 0.5) == "1.571"
+    assert _results._text(123456.0, 3.0) == "123456"
+    assert _results._text(1.5, 1e-300) == "1.5"
+    for error in (None, 0.0, np.nan, np.inf, 9.0):
+        assert _results._text(1.5707868123, error) == "1.571"
+    integral = sphvar.integrate("cap:degrees=60 + vmf:kappa=3", rtol=1e-4)
+    shown = float(str(integral).split("value")[1].split()[0])
+    assert abs(shown - integral.value) < integral.error / 10
+
+
+def test_what_is_left_out_of_a_choice_is_shown():
+    points = sphvar.Sampler("jittered", 192).random()[0]
+    choice = sphvar.choose({"mine": points, "sobol": "sobol"}, n=128, integrand="cap:degrees=60")
+    for text in (repr(choice), choice._repr_html_()):
+        assert "Left out: mine (its minimum number of points, 192, exceeds" in text
+
+
+def test_the_best_choice_is_the_recommended_one():
+    image = np.exp(np.random.default_rng(1).normal(size=(8, 16)))
+    choice = sphvar.choose(["white-noise", "fibonacci", "sobol"], n=64, integrand=image)
+    start = f"Recommended: {choice.best['sampler']} with N = {choice.best['n']} "
+    assert choice.recommendation.startswith(start)
+    assert choice.rows[0]["rank"] == 1
+
+
+def test_columns_are_items():
+    table = sphvar.quality(["fibonacci", "healpix"], n=48)
+    assert table["n"].tolist() == [48, 48]
+    with pytest.raises(KeyError, match="nothing"):
+        table["nothing"]
+
+
+def test_remarks_are_shown():
+    row = {"sampler": "a", "n": 4, "measured": 1.0, "remark": "too few trials"}
+    table = sphvar.VarianceResult({"rows": [row, {**row, "n": 8}, {**row, "remark": None}]})
+    assert repr(table).endswith("a N = 4, a N = 8: too few trials")
