@@ -36,7 +36,40 @@ class Given(Protocol):
         """
 
 
-class Function:
+class _Wrapper:
+    """What integrands that hold arrays have in common: they compare by what they hold."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return is_equal(vars(self), vars(other))
+
+    # Arrays can change.
+    __hash__ = None  # type: ignore[assignment]
+
+    def _not_supported(self, other: object) -> Any:
+        raise TypeError(
+            f"{type(self).__name__} has no arithmetic; Expression combines integrands: "
+            "Expression('f * cosine', f=...)"
+        )
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __matmul__ = _not_supported
+    # Arrays leave operators to this class, and do not apply it to every number.
+    __array_ufunc__ = None
+
+
+def is_equal(one: Any, other: Any) -> bool:
+    """Return whether two values are equal; arrays if they have the same shape and numbers, NaN too."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(is_equal(one[key], other[key]) for key in one)
+    if isinstance(one, (list, tuple)) and type(one) is type(other):
+        return len(one) == len(other) and all(map(is_equal, one, other))
+    return bool(one == other)
+
+
+class Function(_Wrapper):
     """A callable as an integrand, with what is known of it.
 
     A callable on its own is an integrand too: its degree and energies are found from its values.
@@ -136,7 +169,7 @@ class Function:
         return f"function:{free}"
 
 
-class HealpixMap:
+class HealpixMap(_Wrapper):
     """A HEALPix map as an integrand, constant in each pixel.
 
     Parameters
@@ -187,7 +220,7 @@ class HealpixMap:
         return f"map:{free}" + ("" if self.missing == "error" else f",missing={self.missing}")
 
 
-class Environment:
+class Environment(_Wrapper):
     """An image of all directions as an integrand, such as an HDR light probe.
 
     Rows run from the top. The options are those of the command's ``env``: see
@@ -258,7 +291,7 @@ class Environment:
         return f"env:{free}{self._options}"
 
 
-class Coefficients:
+class Coefficients(_Wrapper):
     """Spherical-harmonic coefficients of a real function as an integrand.
 
     Parameters
@@ -294,7 +327,7 @@ class Coefficients:
         return f"alm:{free}"
 
 
-class Energies:
+class Energies(_Wrapper):
     """A random function with given energies per degree as an integrand.
 
     Parameters
@@ -347,7 +380,7 @@ class Energies:
         return f"energy:{free}{_QUANTITIES[self.quantity]}{field}"
 
 
-class Expression:
+class Expression(_Wrapper):
     """An expression of the command with integrands of your own.
 
     Parameters
@@ -462,13 +495,30 @@ def _wrapped(value: Any, label: str | None) -> Given:
     if kind not in "fiuc":
         raise TypeError(
             "integrand: expected a name or expression, a vectorized callable, an array, or a Function, "
-            f"HealpixMap, Environment, Coefficients, Energies or Expression, got {type(value).__name__}"
+            f"HealpixMap, Environment, Coefficients, Energies or Expression, "
+            f"got {type(value).__name__}" + (f" of dtype {array.dtype}" if array.ndim else "")
         )
     raise ValueError(
         f"integrand: an array of dtype {array.dtype} and shape {shape} is neither a HEALPix map "
         "(12 nside**2,), nor an image (h, 2 h) or (h, 2 h, 3), nor complex coefficients in the order of "
         "healpy; say what it is: HealpixMap, Environment, Coefficients or Energies"
     )
+
+
+def unmasked(name: str, values: Any) -> Any:
+    """Return values without the mask of a masked array, if nothing is masked.
+
+    Raises
+    ------
+    ValueError
+        If something is masked: the numbers behind a mask are no values.
+    """
+    if np.ma.isMaskedArray(values):
+        if np.ma.is_masked(values):
+            count = np.count_nonzero(np.ma.getmaskarray(values))
+            raise ValueError(f"{name}: {count} values are masked; pass the others")
+        return np.ma.getdata(values)
+    return values
 
 
 def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -9,7 +9,8 @@ from typing import Any, TypeAlias, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._inputs import Inputs
+from ._functions import unmasked
+from ._inputs import PAIRS_ADVICE, Inputs
 
 #: The path of a file. A text is not one, because it may be the name of a sampler.
 Path: TypeAlias = "os.PathLike[str]"
@@ -58,11 +59,18 @@ def given_points(
         if weights is not None:
             raise ValueError("weights: given with the points and as a keyword")
         points, weights = points
+    points, weights = unmasked("points", points), unmasked("weights", weights)
+    values, errors = unmasked("values", values), unmasked("errors", errors)
     name = inputs.name("points")
     if square:
         inputs.session.add_square_points(name, points, weights)
     else:
-        inputs.session.add_points(name, points, weights, values, errors)
+        try:
+            inputs.session.add_points(name, points, weights, values, errors)
+        except ValueError as error:
+            if np.shape(points)[-1:] != (2,):
+                raise
+            raise ValueError(f"{error}{PAIRS_ADVICE}") from None
     return [name]
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import document as document_of
-from ._functions import IntegrandLike, add_integrand
+from ._functions import IntegrandLike, add_integrand, unmasked
 from ._sampler import Sampler
 
 #: A sampler: a text such as ``"fibonacci"``, a `Sampler`, points of shape (n, 3) or sets of them of
@@ -23,6 +23,12 @@ SamplerLike: TypeAlias = Union[str, Sampler, ArrayLike, tuple[ArrayLike, ArrayLi
 #: which stand for the samplers in results. Items of a list are not typed, because type checkers take
 #: lists of texts and arrays for lists of objects.
 SamplersLike: TypeAlias = Union[SamplerLike, Sequence[Any], Mapping[str, SamplerLike]]
+
+#: What to do with pairs of numbers where vectors are expected.
+PAIRS_ADVICE = (
+    "; sphvar.healpix.ang2vec makes vectors of angles (lonlat=True: of degrees), square=True takes points "
+    "of the square"
+)
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
@@ -175,9 +181,9 @@ def _points(value: Any, square: bool) -> tuple[NDArray[Any], NDArray[Any] | None
     """Return points of the right shape, and their weights."""
     weights: NDArray[Any] | None = None
     if isinstance(value, tuple) and _is_weighted(value):
-        value, weights = np.asarray(value[0]), np.asarray(value[1])
+        value, weights = value[0], np.asarray(unmasked("weights", value[1]))
     try:
-        points = np.asarray(value)
+        points = np.asarray(unmasked("points", value))
     except ValueError as error:
         raise ValueError(f"points: expected an array, a text or a Sampler: {error}") from None
     if points.dtype.kind not in "fiu":
@@ -187,7 +193,8 @@ def _points(value: Any, square: bool) -> tuple[NDArray[Any], NDArray[Any] | None
         )
     size = 2 if square else 3
     if points.ndim not in (2, 3) or points.shape[-1] != size:
-        advice = "" if square or points.shape[-1:] != (2,) else "; square=True takes points of the square"
+        is_pairs = not square and points.shape[-1:] == (2,)
+        advice = PAIRS_ADVICE if is_pairs else ""
         raise ValueError(
             f"points: expected shape (n, {size}) or (m, n, {size}), got {points.shape}{advice}"
         )

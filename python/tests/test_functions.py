@@ -1,6 +1,7 @@
 """Callables, arrays and images as integrands: values, energies, and what is wrong with them."""
 
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -306,3 +307,57 @@ def test_signals_stop_work_with_slow_callables() -> None:
             question()
         timer.join()
         assert time.perf_counter() - started < 0.3 + 1.5
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda number: sphvar.HealpixMap(np.full(12, number)),
+        lambda number: sphvar.Environment(np.full((4, 8), number)),
+        lambda number: sphvar.Coefficients(np.full(3, number)),
+        lambda number: sphvar.Energies([0, number]),
+        lambda number: sphvar.Expression("f * cosine", f=np.full(12, number)),
+        lambda number: sphvar.Function(abs, degree=int(number)),
+    ],
+)
+def test_wrappers_compare_by_what_they_hold(make):
+    one, same, other = make(1.0), make(1.0), make(2.0)
+    assert one == same
+    assert one == pickle.loads(pickle.dumps(one))
+    assert one != other
+    assert one != "cosine"
+
+
+def test_arithmetic_of_wrappers_names_expressions():
+    sky = sphvar.Environment(np.ones((4, 8)))
+    for combine in (
+        lambda: sky * sphvar.Expression("cosine"),
+        lambda: 2 * sky,
+        lambda: np.ones(3) * sky,
+        lambda: sky + sky,
+    ):
+        with pytest.raises(TypeError, match="Expression combines integrands"):
+            combine()
+
+
+def test_what_is_masked_is_missing():
+    values = np.ma.masked_less(np.arange(192.0), 4)
+    with pytest.raises(ValueError):
+        sphvar.predict("fibonacci", n=100, integrand=values)
+    filled = sphvar.HealpixMap(np.where(values.mask, np.nan, values.data), missing="mean")
+    assert sphvar.HealpixMap(values, missing="mean") == filled
+    for call in (
+        lambda mask: sphvar.Environment(np.ma.array(np.ones((4, 8)), mask=mask)),
+        lambda mask: sphvar.Coefficients(np.ma.array([1.0, 0, 0], mask=mask)),
+        lambda mask: sphvar.Sampler(np.ma.array([[1.0, 0, 0], [0, 1, 0]], mask=mask)),
+        lambda mask: sphvar.spectrum(np.ma.array([[1.0, 0, 0], [0, 1, 0]], mask=mask), lmax=2),
+        lambda mask: sphvar.quality(np.ma.array([[1.0, 0, 0], [0, 1, 0]], mask=mask)),
+    ):
+        call(False)
+        with pytest.raises(ValueError, match="values are masked"):
+            call(True)
+
+
+def test_an_array_of_truth_values_is_rejected_by_its_dtype():
+    with pytest.raises(TypeError, match="ndarray of dtype bool"):
+        sphvar.integrate(np.arange(192) < 96)
