@@ -8,7 +8,9 @@ import inspect
 import json
 import operator
 import os
+import re
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, ParamSpec, Protocol, TypeVar
@@ -21,7 +23,13 @@ _R = TypeVar("_R")
 _PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
 # The keywords of options that the command names otherwise.
-_NAMES = {"n": "count"}
+_NAMES = {"n": "count", "source": "points"}
+
+# The letters by which messages of the command name options, by keyword.
+_LETTERS = {"n": "n", "realizations": "m", "seed": "s"}
+
+#: The number of seeds.
+SEEDS = 2**64
 
 
 class SphvarWarning(UserWarning):
@@ -38,8 +46,123 @@ class AnsweringSession(Protocol):
         """Return the messages of all answers."""
 
 
+def flag(keyword: str) -> str:
+    """Return the option of the command that a keyword stands for."""
+    return "--" + _NAMES.get(keyword, keyword).replace("_", "-")
+
+
+class Keywords:
+    """The options of a function, which messages of the command name as its command line has them.
+
+    Parameters
+    ----------
+    function
+        A function of the package.
+    """
+
+    # What clap writes for one of several options, for one option, and what the messages of the command do.
+    # Options with a number come with it. Quoted texts, such as what the user gave, stay as they are.
+    _MENTION = re.compile(
+        r"""(?P<text>"[^"]*")"""
+        r"""|<(?P<either>--[\w-]+(?:\ <\w+>)?(?:\|--[\w-]+(?:\ <\w+>)?)+)>"""
+        r"""|'(?P<quoted>--[\w-]+)(?:\ <\w+>(?:\.\.\.)?)?'"""
+        r"""|(?<![\w'./=-])(?:-\w/)?(?P<plain>--[a-z][\w-]*|-[a-z])(?![\w-])"""
+        r"""(?:[\ =](?P<value>\d[\w.+-]*\b%?)|(?P<is_subject>,|/|\ (?:must|is|are|has|needs|does|cannot|requires)\b))?"""
+    )
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._texts: dict[str, tuple[str, str]] = {}
+        for keyword, parameter in inspect.signature(function).parameters.items():
+            default = parameter.default
+            if default is True:
+                self._texts[flag(f"no_{keyword}")] = keyword, f"{keyword}=False"
+            else:
+                text = f"{keyword}=True" if default is False else f"{keyword}="
+                self._texts[flag(keyword)] = keyword, text
+                if keyword in _LETTERS:
+                    self._texts["-" + _LETTERS[keyword]] = keyword, text
+
+    def translate(self, message: str) -> str:
+        """Return a message of the command with keywords for the options that the function has."""
+        return self._MENTION.sub(self._mention, message) if "-" in message else message
+
+    def _mention(self, found: re.Match[str]) -> str:
+        either, name = found["either"], found["quoted"] or found["plain"]
+        if either is not None:
+            names = [option.split(" ")[0] for option in either.split("|")]
+            return " or ".join(self._texts.get(name, (name,))[0] for name in names)
+        if name not in self._texts:
+            return found[0]
+        keyword, text = self._texts[name]
+        if found["value"] is not None:
+            return f"{keyword}={found['value']}"
+        is_name = found["quoted"] is not None or found["is_subject"] is not None
+        is_name = is_name and not text.endswith(("True", "False"))
+        return (keyword if is_name or found["quoted"] else text) + (found["is_subject"] or "")
+
+
+class _Speaker(threading.local):
+    """The function of the package that a thread is in."""
+
+    keywords: Keywords | None = None
+
+
+_speaker = _Speaker()
+
+
+def in_keywords(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let the exceptions and warnings of a function name options as its keywords.
+
+    Exceptions that a callable of the user raises stay as they are.
+    """
+    keywords = Keywords(function)
+
+    @functools.wraps(function)
+    def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        before, _speaker.keywords = _speaker.keywords, keywords
+        try:
+            return function(*args, **kwargs)
+        except (ValueError, OSError, MemoryError, RuntimeError) as error:
+            if len(error.args) == 1 and isinstance(error.args[0], str) and _is_own(error):
+                error.args = (keywords.translate(error.args[0]),)
+            raise
+        finally:
+            _speaker.keywords = before
+
+    return call
+
+
+def _is_own(error: Exception) -> bool:
+    """Return whether the package raised an exception, not a callable of the user."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return trace is not None and os.path.dirname(trace.tb_frame.f_code.co_filename) == _PACKAGE
+
+
+def seed_number(seed: Any) -> int:
+    """Return a seed.
+
+    Raises
+    ------
+    TypeError
+        For what is not a whole number.
+    ValueError
+        For numbers out of range.
+    """
+    try:
+        number = operator.index(seed)
+    except TypeError:
+        raise TypeError(f"seed: expected a whole number, got {seed!r}") from None
+    if not 0 <= number < SEEDS:
+        raise ValueError(f"seed must be from 0 to {SEEDS - 1}, got {number}")
+    return number
+
+
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Let a function name the close ones for a keyword that it does not have.
+
+    Its messages name options as keywords, too: `in_keywords`.
 
     Parameters
     ----------
@@ -53,13 +176,14 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """
     known = list(inspect.signature(function).parameters)
     names = frozenset(known)
+    spoken = in_keywords(function)
 
     @functools.wraps(function)
     def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         if not names.issuperset(kwargs):
             unknown = next(name for name in kwargs if name not in names)
             raise TypeError(_unknown_keyword(function.__name__, unknown, known))
-        return function(*args, **kwargs)
+        return spoken(*args, **kwargs)
 
     return call
 
@@ -95,7 +219,9 @@ def words(command: str, positional: Iterable[str], options: Mapping[str, Any]) -
             raise ValueError(f"expected a name, got {text!r}")
         arguments.append(text)
     for keyword, value in options.items():
-        name = "--" + _NAMES.get(keyword, keyword).replace("_", "-")
+        name = flag(keyword)
+        if keyword == "seed" and value is not None:
+            value = seed_number(value)
         if value is None or value is False or value is np.False_:
             continue
         if value is True or value is np.True_:
@@ -199,4 +325,6 @@ def warn(message: str) -> None:
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _PACKAGE:
         frame, level = frame.f_back, level + 1
+    if _speaker.keywords is not None:
+        message = _speaker.keywords.translate(message)
     warnings.warn(message, SphvarWarning, stacklevel=level)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
-from ._ask import warn
+from ._ask import checked, in_keywords, warn
 from ._checks import STREAMS, seed_of, unmasked, whole
+from ._functions import is_equal
 from ._progress import Progress, reporting
 
 #: Sets of points of shape (m, n, 3), or a list of sets where their numbers of points differ.
@@ -63,6 +64,8 @@ class Sampler:
 
     Notes
     -----
+    Samplers are equal (``==``) if they have the same arguments and `position`.
+
     Two samplers with the same seed draw from independent random streams, unless they are equal or
     sequences: the first points of a set of ``"sobol:warp=cosine"`` are a set of fewer points.
 
@@ -95,6 +98,7 @@ class Sampler:
         "_weights",
     )
 
+    @in_keywords
     def __init__(
         self,
         spec: str | ArrayLike | tuple[ArrayLike, ArrayLike],
@@ -335,6 +339,16 @@ class Sampler:
         parts += [f"{key}=True" for key in _FLAGS if self._options[key]]
         return f"Sampler({', '.join(parts)})"
 
+    def __eq__(self, other: object) -> bool:
+        # Equal samplers draw the same sets, and the same ones next.
+        if type(other) is not type(self):
+            return NotImplemented
+        compared = ("_spec", "_given", "_requested", "_seed", "_options", "_position")
+        return all(is_equal(getattr(self, name), getattr(other, name)) for name in compared)
+
+    # Samplers change as they draw.
+    __hash__ = None  # type: ignore[assignment]
+
     def __copy__(self) -> Sampler:
         # Everything that is shared never changes.
         twin = object.__new__(type(self))
@@ -360,6 +374,7 @@ class Sampler:
 _FLAGS: Final = ("hemisphere", "square", "rotate", "shift", "nearest")
 
 
+@checked
 def rotations(
     spec: str,
     n: SupportsIndex,

@@ -133,7 +133,7 @@ def test_a_tolerance_that_is_not_met_is_a_warning() -> None:
         integral = sphvar.integrate(cap, rtol=1e-6, max_points=10_000)
     assert not integral.converged and integral.message is not None
     assert integral.stop == "max-points" and integral.evaluations <= 10_000
-    with pytest.warns(sphvar.SphvarWarning, match="give --atol|equal"):
+    with pytest.warns(sphvar.SphvarWarning, match="give atol=|equal"):
         sphvar.integrate(lambda points: 0 * points[:, 0], max_points=10_000)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

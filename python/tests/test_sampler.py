@@ -325,3 +325,14 @@ def test_forked_processes_draw() -> None:
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(_draw, range(4)).get(timeout=60) == expected
     assert _draw(0) == expected[0]
+
+
+def test_samplers_are_equal_if_they_draw_the_same():
+    one = Sampler("jittered", 48, seed=1)
+    assert one == Sampler("jittered", 48, seed=1) == pickle.loads(pickle.dumps(one))
+    assert one != Sampler("jittered", 48)
+    assert one != Sampler("jittered", 48, seed=1, rotate=True)
+    assert one != Sampler("jittered", 48, seed=1).fast_forward(1)
+    points = one.random()
+    assert Sampler(points) == Sampler(points.copy()) != Sampler(-points)
+    assert Sampler(points) != one
