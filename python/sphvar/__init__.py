@@ -42,6 +42,7 @@ from ._functions import (
 )
 from ._inputs import SamplerLike, SamplersLike
 from ._integrate import Integral, energies, evaluate, integrate
+from ._lists import Entry, list_integrands, list_samplers, list_warps
 from ._measures import audit, bounds, lights, quality, rotation_quality
 from ._questions import (
     choose,
@@ -65,7 +66,6 @@ from ._results import (
     Table,
     VarianceResult,
 )
-from ._lists import Entry, list_integrands, list_samplers, list_warps
 from ._sampler import Sampler, rotations
 from ._spectrum import Spectrum, SquareSpectrum, spectrum
 from ._sphvar import __version__, set_num_threads

@@ -17,6 +17,8 @@ from typing import Any, ParamSpec, Protocol, TypeVar
 
 import numpy as np
 
+from ._checks import seed_of
+
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
@@ -27,9 +29,6 @@ _NAMES = {"n": "count", "source": "points"}
 
 # The letters by which messages of the command name options, by keyword.
 _LETTERS = {"n": "n", "realizations": "m", "seed": "s"}
-
-#: The number of seeds.
-SEEDS = 2**64
 
 
 class SphvarWarning(UserWarning):
@@ -140,25 +139,6 @@ def _is_own(error: Exception) -> bool:
     return trace is not None and os.path.dirname(trace.tb_frame.f_code.co_filename) == _PACKAGE
 
 
-def seed_number(seed: Any) -> int:
-    """Return a seed.
-
-    Raises
-    ------
-    TypeError
-        For what is not a whole number.
-    ValueError
-        For numbers out of range.
-    """
-    try:
-        number = operator.index(seed)
-    except TypeError:
-        raise TypeError(f"seed: expected a whole number, got {seed!r}") from None
-    if not 0 <= number < SEEDS:
-        raise ValueError(f"seed must be from 0 to {SEEDS - 1}, got {number}")
-    return number
-
-
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Let a function name the close ones for a keyword that it does not have.
 
@@ -221,7 +201,7 @@ def words(command: str, positional: Iterable[str], options: Mapping[str, Any]) -
     for keyword, value in options.items():
         name = flag(keyword)
         if keyword == "seed" and value is not None:
-            value = seed_number(value)
+            value = seed_of(value)
         if value is None or value is False or value is np.False_:
             continue
         if value is True or value is np.True_:

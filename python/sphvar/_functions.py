@@ -505,22 +505,6 @@ def _wrapped(value: Any, label: str | None) -> Given:
     )
 
 
-def unmasked(name: str, values: Any) -> Any:
-    """Return values without the mask of a masked array, if nothing is masked.
-
-    Raises
-    ------
-    ValueError
-        If something is masked: the numbers behind a mask are no values.
-    """
-    if np.ma.isMaskedArray(values):
-        if np.ma.is_masked(values):
-            count = np.count_nonzero(np.ma.getmaskarray(values))
-            raise ValueError(f"{name}: {count} values are masked; pass the others")
-        return np.ma.getdata(values)
-    return values
-
-
 def _real(name: str, values: ArrayLike) -> NDArray[np.float64]:
     array = unmasked(name, values)
     if array.dtype.kind not in "fiu" and array.size:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._functions import unmasked
+from ._checks import unmasked
 from ._inputs import PAIRS_ADVICE, Inputs
 
 #: The path of a file. A text is not one, because it may be the name of a sampler.
@@ -59,8 +59,11 @@ def given_points(
         if weights is not None:
             raise ValueError("weights: given with the points and as a keyword")
         points, weights = points
-    points, weights = unmasked("points", points), unmasked("weights", weights)
-    values, errors = unmasked("values", values), unmasked("errors", errors)
+    points = unmasked("points", points)
+    optional = {"weights": weights, "values": values, "errors": errors}
+    weights, values, errors = (
+        None if given is None else unmasked(name, given) for name, given in optional.items()
+    )
     name = inputs.name("points")
     if square:
         inputs.session.add_square_points(name, points, weights)

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import document as document_of
-from ._functions import IntegrandLike, add_integrand, unmasked
+from ._checks import unmasked
+from ._functions import IntegrandLike, add_integrand
 from ._sampler import Sampler
 
 #: A sampler: a text such as ``"fibonacci"``, a `Sampler`, points of shape (n, 3) or sets of them of
@@ -181,9 +182,9 @@ def _points(value: Any, square: bool) -> tuple[NDArray[Any], NDArray[Any] | None
     """Return points of the right shape, and their weights."""
     weights: NDArray[Any] | None = None
     if isinstance(value, tuple) and _is_weighted(value):
-        value, weights = value[0], np.asarray(unmasked("weights", value[1]))
+        value, weights = value[0], unmasked("weights", value[1])
     try:
-        points = np.asarray(unmasked("points", value))
+        points = unmasked("points", value)
     except ValueError as error:
         raise ValueError(f"points: expected an array, a text or a Sampler: {error}") from None
     if points.dtype.kind not in "fiu":

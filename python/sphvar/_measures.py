@@ -341,8 +341,9 @@ def lights(
     n : int or list of int
         The number of lights, or several.
     samplers : str or list of str, optional
-        ``ccvt:density=luminance`` by default, ``median-cut``, or a pattern with ``warp=luminance``;
-        see ``sphvar lights --help``.
+        ``ccvt:density=luminance`` by default, ``median-cut``, or a pattern of the unit square with
+        ``warp=luminance``, such as ``sobol:warp=luminance``. ``luminance`` is the luminance of the map
+        of this call; it is no density elsewhere, so `list_warps` does not have it.
     nearest : bool
         Use the valid number of points nearest to `n`.
     realizations : int, optional
@@ -452,6 +453,12 @@ def rotation_quality(
         "seed": seed,
     }
     texts = [samplers] if isinstance(samplers, str) else list(samplers)
+    for text in texts:
+        if not isinstance(text, str):
+            raise TypeError(
+                f"samplers: expected names of patterns of rotations, got {type(text).__name__}; arrays of "
+                "rotations are not measured"
+            )
     with reporting(progress) as report:
         session = _sphvar.Session(report)
         inputs = Inputs(session, [samplers])

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import checked, warn_of, words
+from ._checks import degree, whole
 from ._functions import IntegrandLike
-from ._checks import degree, seed_of, whole
 from ._given import Path, given_points
 from ._inputs import Inputs
 from ._progress import Progress, reporting
@@ -86,8 +86,8 @@ class _MergedSpectrum(Result):
         """
         return float(self._document.get("n_effective", self._document["n"]))
 
-    def merge(self: _S, other: _S) -> _S:
-        """Return the spectrum of the realizations of both.
+    def merge(self: _S, *others: _S) -> _S:
+        """Return the spectrum of the realizations of all.
 
         The sums of realizations are exact: any parts in any order are bit-identical to one run.
         Parts of the realizations of a sampler are those of the keyword `shard` of
@@ -95,8 +95,8 @@ class _MergedSpectrum(Result):
 
         Parameters
         ----------
-        other
-            A spectrum of the same bands, computed in the same way.
+        *others
+            Spectra of the same bands, computed in the same way.
 
         Returns
         -------
@@ -105,21 +105,26 @@ class _MergedSpectrum(Result):
 
         Raises
         ------
+        TypeError
+            For other objects than spectra of the same domain.
         ValueError
             If the samplers, numbers of points, bands, accuracies, seeds or versions differ, if a
-            realization is in both, or for spectra in closed form.
+            realization is in several, or for spectra in closed form.
 
         Examples
         --------
         >>> import sphvar
-        >>> half = [sphvar.spectrum("jittered", 48, realizations=6, shard=(i, 2)) for i in (1, 2)]
-        >>> half[1].merge(half[0]) == sphvar.spectrum("jittered", 48, realizations=6)
+        >>> parts = [sphvar.spectrum("jittered", 48, realizations=6, shard=(i, 3)) for i in (1, 2, 3)]
+        >>> sphvar.Spectrum.merge(*parts) == sphvar.spectrum("jittered", 48, realizations=6)
         True
         """
-        if type(other) is not type(self):
-            kinds = f"{type(self).__name__} and {type(other).__name__}"
-            raise TypeError(f"expected two spectra of the same domain, got {kinds}")
-        return type(self)(self._sums.merged(other._sums))
+        sums = self._sums
+        for other in others:
+            if type(other) is not type(self):
+                kinds = f"{type(self).__name__} and {type(other).__name__}"
+                raise TypeError(f"expected spectra of the same domain, got {kinds}")
+            sums = sums.merged(other._sums)
+        return type(self)(sums)
 
     def __add__(self: _S, other: _S) -> _S:
         if not isinstance(other, _MergedSpectrum):
@@ -574,7 +579,7 @@ def spectrum(
             raise ValueError(f"weights: they are for points, not for the sampler {points}")
         if density is not None:
             question += words("", [], {"density": inputs.integrand(density)})[1:]
-        question.append(f"--seed={0 if seed is None else seed_of(seed)}")
+        question += words("", [], {"seed": 0 if seed is None else seed})[1:]
         part = None if shard is None else _part(shard)
         sums = _sphvar.spectrum(session, question, part)
         warn_of(session)

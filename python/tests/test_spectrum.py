@@ -311,3 +311,18 @@ def test_an_interrupt_stops_one_long_realization():
         sphvar.spectrum("ccvt", 20000, realizations=2)
     # A second after the interrupt, and what a busy machine adds.
     assert time.monotonic() - start < 0.3 + 1 + 2
+
+
+def test_any_number_of_spectra_merge():
+    parts = [sphvar.spectrum("jittered", 48, realizations=6, shard=(i, 3)) for i in (1, 2, 3)]
+    whole = sphvar.spectrum("jittered", 48, realizations=6)
+    assert parts[2].merge(*parts[:2]) == sphvar.Spectrum.merge(*parts) == whole
+    assert whole.merge() == whole
+    with pytest.raises(TypeError, match="expected spectra of the same domain, got Spectrum and list"):
+        parts[0].merge(parts)
+
+
+def test_pairs_of_angles_are_rejected_with_advice():
+    for call in (sphvar.spectrum, sphvar.quality, sphvar.weights):
+        with pytest.raises(ValueError, match=r"got \(5, 2\); sphvar.healpix.ang2vec makes vectors"):
+            call(np.zeros((5, 2)))
