@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class QuadratureWeights(Result):
-    """Quadrature weights of points, and what they are worth.
+    """Quadrature weights of points, with their exactness, condition and range.
 
     An array for numpy: ``numpy.asarray(weights)`` and functions of numpy take it as `weights`.
 
@@ -282,13 +282,14 @@ class Fit(Result):
         axes = _plots.axes(ax)
         l = np.arange(self.lmax + 1)
         bars = np.nan_to_num(self.energies_stderr)
-        axes.errorbar(l, self.energies, bars, color=_plots.COLOURS[0], fmt=".", label="function")
-        axes.plot(l, self.noise_energies, color=_plots.COLOURS[1], label="noise")
+        colour, _ = _plots.style(axes)
+        axes.errorbar(l, self.energies, bars, color=colour, fmt=".", label="function")
+        axes.plot(l, self.noise_energies, color=_plots.style(axes)[0], label="noise")
         if (self.energies > 0).any():
             axes.set_yscale("log", nonpositive="mask")
         axes.set_xlabel("degree l")
         axes.set_ylabel("energy")
-        axes.legend(fontsize="small")
+        _plots.legend(axes)
         return axes
 
     def __eq__(self, other: object) -> bool:

@@ -22,10 +22,13 @@ if TYPE_CHECKING:
         VarianceResult,
     )
 
-#: Colours that differ also for the colour-blind (Okabe and Ito 2008).
+#: Colours of new axes, which the colour-blind distinguish (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f4a00", "#000000")
 
 MARKERS = "osD^vPX*"
+
+#: The maximum number of entries of a legend inside the axes; more would cover curves.
+MAX_INSIDE = 4
 
 
 def axes(ax: Axes | None) -> Axes:
@@ -36,16 +39,38 @@ def axes(ax: Axes | None) -> Axes:
         from matplotlib import pyplot
     except ImportError as error:
         raise ImportError("plots need matplotlib: pip install sphvar[plot]") from error
-    return pyplot.subplots(layout="constrained")[1]
+    created: Axes = pyplot.subplots(layout="constrained")[1]
+    created.set_prop_cycle(color=COLOURS)
+    return created
 
 
-def style(index: int) -> tuple[str, str]:
-    """Return the colour and the marker of a curve."""
-    return COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
+def style(ax: Axes) -> tuple[Any, str]:
+    """Return the colour and the marker of the next curve.
+
+    The colour is the next of the property cycle of the axes, so that results plotted on the same axes
+    differ from each other and from other curves.
+    """
+    (line,) = ax.plot([], [])
+    colour = line.get_color()
+    line.remove()
+    return colour, MARKERS[len(ax.get_legend_handles_labels()[1]) % len(MARKERS)]
+
+
+def legend(ax: Axes) -> None:
+    """Add a legend of the labelled curves, beside the axes if it is long and the layout adapts."""
+    entries = len(ax.get_legend_handles_labels()[1])
+    if not entries:
+        return
+    engine = ax.figure.get_layout_engine()
+    adapts = engine is not None and engine.adjust_compatible is False
+    if entries > MAX_INSIDE and adapts:
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1, 1), borderaxespad=0.2)
+    else:
+        ax.legend(fontsize="small")
 
 
 def column(rows: list[Row], key: str) -> NDArray[np.float64]:
-    """Return a column of numbers, with NaN where they cannot be given."""
+    """Return a column of numbers, with NaN for those that are unavailable."""
     entries = [row.get(key) for row in rows]
     return np.array([np.nan if entry is None else entry for entry in entries], dtype=np.float64)
 
@@ -62,8 +87,8 @@ def curves(ax: Axes, rows: list[Row], labels: dict[str, str], roots: bool) -> No
     """Plot predicted variances as lines and measured ones as markers, or their square roots."""
     groups = grouped(rows)
     several = len({integrand for _, integrand in groups}) > 1
-    for index, ((sampler, integrand), group) in enumerate(groups.items()):
-        colour, marker = style(index)
+    for (sampler, integrand), group in groups.items():
+        colour, marker = style(ax)
         label = labels.get(sampler, sampler) + (f", {integrand}" if several else "")
         n = column(group, "n")
         scaled = np.sqrt if roots else np.asarray
@@ -113,15 +138,18 @@ def variances(ax: Axes | None, result: VarianceResult, roots: bool) -> Axes:
     integrands = {row.get("integrand") for row in result.rows}
     if len(integrands) == 1:
         ax.set_title(f"integrating {integrands.pop()}")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax
 
 
 def choice(ax: Axes | None, result: ChoiceResult, best: int) -> Axes:
     """Plot the predicted standard errors of the best samplers."""
     ax = axes(ax)
-    for index, row in enumerate(result.rows[:best]):
-        colour, marker = style(index)
+    for row in result.rows[:best]:
+        if not row["error"]:
+            # Exact, or without an error: nothing to draw on a logarithmic axis.
+            continue
+        colour, marker = style(ax)
         curve = sorted(row["curve"], key=lambda point: int(point["n"]))
         error = np.sqrt(column(curve, "variance"))
         ax.plot(column(curve, "n"), error, color=colour, linewidth=1)
@@ -135,7 +163,7 @@ def choice(ax: Axes | None, result: ChoiceResult, best: int) -> Axes:
     ax.set_xlabel("number of points N")
     ax.set_ylabel("standard error")
     ax.set_title(f"integrating {result.integrand}")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax
 
 
@@ -144,8 +172,8 @@ def progression(ax: Axes | None, result: ProgressiveResult, factors: bool) -> Ax
     ax = axes(ax)
     reference = " or ".join(dict.fromkeys(row["sampler"] for row in result.reference))
     if factors:
-        for index, ((sampler, _), group) in enumerate(grouped(result.rows).items()):
-            colour, marker = style(index)
+        for (sampler, _), group in grouped(result.rows).items():
+            colour, marker = style(ax)
             n, factor = column(group, "n"), column(group, "factor")
             ax.plot(n, factor, color=colour, marker=marker, markersize=4, label=sampler)
         ax.axhline(1, color="black", linewidth=1)
@@ -161,7 +189,7 @@ def progression(ax: Axes | None, result: ProgressiveResult, factors: bool) -> Ax
     ax.set_xlabel("number of points N")
     if result.rows:
         ax.set_title(f"prefixes, integrating {result.rows[0]['integrand']}")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax
 
 
@@ -172,13 +200,14 @@ def spectrum(
     stderr: NDArray[Any] | None,
     n: float,
     label: str | None = None,
-    colour: str = COLOURS[0],
+    colour: Any = None,
 ) -> Axes:
     """Plot the power of every degree but 0 against ``omega = l / sqrt(n)``, with its error.
 
     Degrees without power are left out; the axes are logarithmic.
     """
     ax = axes(ax)
+    colour = style(ax)[0] if colour is None else colour
     kept = (l > 0) & (power > 0)
     omega, power = l[kept] / np.sqrt(n), power[kept]
     ax.plot(omega, power, color=colour, linewidth=1, marker=".", markersize=3, label=label)
@@ -192,7 +221,27 @@ def spectrum(
     ax.set_xlabel(r"$\omega = l / \sqrt{N}$")
     ax.set_ylabel("power P(l)")
     if label is not None:
-        ax.legend(fontsize="small")
+        legend(ax)
+    return ax
+
+
+def pairs(ax: Axes | None, pairs: dict[str, Any], label: str | None = None) -> Axes:
+    """Plot the pair correlation against the angle, with its error; uniform points have 1."""
+    ax = axes(ax)
+    colour, _ = style(ax)
+    angle = np.degrees(np.array(pairs["gamma"], dtype=np.float64))
+    g = np.array(pairs["g"], dtype=np.float64)
+    ax.plot(angle, g, color=colour, linewidth=1, label=label)
+    error = np.array(pairs["stderr"], dtype=np.float64)
+    if error.shape == g.shape and np.isfinite(error).any():
+        error = np.nan_to_num(error)
+        ax.fill_between(angle, g - error, g + error, color=colour, alpha=0.25, linewidth=0)
+    ax.axhline(1, color="grey", linewidth=0.5)
+    ax.set_ylim(bottom=0)
+    ax.grid(alpha=0.3)
+    ax.set_xlabel("angle between two points (degrees)")
+    ax.set_ylabel("pair correlation g")
+    legend(ax)
     return ax
 
 
@@ -204,7 +253,8 @@ def bounds(ax: Axes | None, result: BoundsResult, given: Any) -> Axes:
     omega = l / np.sqrt(result.n)
     if given is not None:
         spectrum(ax, given.l, given.power, None, given.n, "spectrum", "black")
-    families = list(dict.fromkeys(row["family"] for row in result.rows))
+    families = dict.fromkeys(row["family"] for row in result.rows)
+    colours = {family: style(ax)[0] for family in families}
     for row in result.rows:
         relative = omega / row["alpha"]
         if row["family"] == "step":
@@ -212,11 +262,12 @@ def bounds(ax: Axes | None, result: BoundsResult, given: Any) -> Axes:
         else:
             rise = np.minimum(1, relative) ** (row["exponent"] or 0)
         profile = row["offset"] + row["gamma"] * rise
-        colour = COLOURS[families.index(row["family"]) % len(COLOURS)]
         dash = "--" if row["side"] == "lower" else "-"
         shown = np.where(profile > 0, profile, np.nan)
         name = row["family"] if row["side"] == "given" else f"{row['side']} {row['family']}"
-        ax.plot(omega, shown, color=colour, linestyle=dash, linewidth=1, label=name)
+        ax.plot(
+            omega, shown, color=colours[row["family"]], linestyle=dash, linewidth=1, label=name
+        )
     logarithmic(ax)
     # Steep profiles fall below anything that matters.
     low, high = ax.get_ylim()
@@ -224,7 +275,7 @@ def bounds(ax: Axes | None, result: BoundsResult, given: Any) -> Axes:
     ax.set_xlabel(r"$\omega = l / \sqrt{N}$")
     ax.set_ylabel("power P(l)")
     ax.set_title(f"bounds, N = {result.n}")
-    ax.legend(fontsize="x-small")
+    legend(ax)
     return ax
 
 
@@ -238,7 +289,7 @@ def audit(ax: Axes | None, result: AuditResult) -> Axes:
         place = degree + 0.7 * order / (degree + 1) + 0.15 * index / (degree + 1)
         ratio = column(ratios, "ratio")
         ends = np.array([ratio - column(ratios, "low"), column(ratios, "high") - ratio])
-        colour, marker = style(index)
+        colour, marker = style(ax)
         ax.errorbar(
             place, ratio, np.maximum(0, np.nan_to_num(ends)), color=colour, marker=marker,
             markersize=4, linestyle="none", linewidth=1, capsize=2, label=row["ensemble"],
@@ -248,7 +299,7 @@ def audit(ax: Axes | None, result: AuditResult) -> Axes:
     ax.set_xlabel("degree l, orders m = 0 to l from left to right")
     ax.set_ylabel("mean squared error / variance formula")
     ax.set_title(f"integration errors of $Y_{{lm}}$ with {result.sampler}, N = {result.n}")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax
 
 
@@ -258,7 +309,7 @@ def quality(ax: Axes | None, result: QualityResult) -> Axes:
     square = any("star_discrepancy" in row for row in result.rows)
     measures = _measures(result.rows, square)
     for index, row in enumerate(result.rows):
-        colour, marker = style(index)
+        colour, marker = style(ax)
         place = np.arange(len(measures)) + 0.08 * (index - (len(result) - 1) / 2)
         value = np.array([values[index] for values in measures.values()])
         label = f"{row['sampler']}, N = {row['n']}"
@@ -267,7 +318,7 @@ def quality(ax: Axes | None, result: QualityResult) -> Axes:
     ax.grid(alpha=0.3)
     ax.set_xticks(range(len(measures)), list(measures), rotation=30, ha="right")
     ax.set_ylabel("measure" if square else "measure, scaled by a power of N")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax
 
 
@@ -300,11 +351,14 @@ def _measures(rows: list[Row], square: bool) -> dict[str, NDArray[np.float64]]:
 
 
 def lights(ax: Axes | None, result: LightsResult) -> Axes:
-    """Plot lights by longitude and latitude, or errors against the number of lights."""
+    """Plot lights where the image has them, or errors against the number of lights.
+
+    The longitude runs as in an image without the options ``mirror``, ``rotate`` and ``up``.
+    """
     ax = axes(ax)
     if result.to_dict()["rows"] is None:
-        for index, ((sampler, _), group) in enumerate(grouped(result.rows).items()):
-            colour, marker = style(index)
+        for (sampler, _), group in grouped(result.rows).items():
+            colour, marker = style(ax)
             n, error, bars = (column(group, key) for key in ("n", "error", "error_stderr"))
             bars = np.nan_to_num(bars)
             ax.errorbar(
@@ -313,19 +367,22 @@ def lights(ax: Axes | None, result: LightsResult) -> Axes:
         logarithmic(ax)
         ax.set_xlabel("number of lights N")
         ax.set_ylabel("relative error of the irradiance")
-        ax.legend(fontsize="small")
+        legend(ax)
         return ax
     directions, rgb = result.directions, np.maximum(0, result.rgb)
     x, y, z = directions.T
-    longitude = np.degrees(np.arctan2(y, x)) % 360
+    # Images have +y at the left edge and longitudes that decrease to the right: 90 to -270 degrees.
+    longitude = 90 - (90 - np.degrees(np.arctan2(y, x))) % 360
     latitude = np.degrees(np.arctan2(z, np.hypot(x, y)))
     luminance = rgb @ [0.2126, 0.7152, 0.0722]
     area = 20 + 400 * luminance / max(luminance.max(initial=0), np.finfo(float).tiny)
     largest = np.maximum(rgb.max(axis=1, keepdims=True), np.finfo(float).tiny)
     ax.scatter(longitude, latitude, s=area, c=rgb / largest, edgecolors="grey", linewidths=0.5)
     ax.set_facecolor("#202020")
-    ax.set_xlim(0, 360)
+    ax.set_xlim(90, -270)
     ax.set_ylim(-90, 90)
+    ax.set_xticks(range(90, -271, -90))
+    ax.set_yticks(range(-90, 91, 45))
     ax.set_aspect("equal")
     ax.set_xlabel("longitude (degrees)")
     ax.set_ylabel("latitude (degrees)")
@@ -339,8 +396,8 @@ def rotations(ax: Axes | None, result: RotationQualityResult) -> Axes:
     ax = axes(ax)
     from matplotlib.ticker import MaxNLocator
 
-    for index, row in enumerate(result.rows):
-        colour, marker = style(index)
+    for row in result.rows:
+        colour, marker = style(ax)
         power = np.array(row["power"][1:], dtype=np.float64)
         error = row["power_stderr"]
         bars = None if error is None else np.array(error[1:], dtype=np.float64)
@@ -354,5 +411,5 @@ def rotations(ax: Axes | None, result: RotationQualityResult) -> Axes:
     ax.grid(alpha=0.3)
     ax.set_xlabel("degree l")
     ax.set_ylabel("power, uniform rotations = 1")
-    ax.legend(fontsize="small")
+    legend(ax)
     return ax

@@ -215,13 +215,15 @@ class Spectrum(_MergedSpectrum):
         """
         return np.asarray(self.l / np.sqrt(self.n), dtype=np.float64)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Plot the power against ``l / sqrt(n)``, with its standard error.
+    def plot(self, ax: Axes | None = None, *, pairs: bool = False) -> Axes:
+        """Plot the power against ``l / sqrt(n)``, or the pair correlation, with standard errors.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Where to plot; a new figure by default.
+        pairs : bool
+            Plot the pair correlation against the angle instead, of a spectrum with ``pairs=True``.
 
         Returns
         -------
@@ -232,6 +234,8 @@ class Spectrum(_MergedSpectrum):
         ------
         ImportError
             Without matplotlib.
+        ValueError
+            If the pair correlation was not estimated.
 
         Examples
         --------
@@ -240,6 +244,10 @@ class Spectrum(_MergedSpectrum):
         """
         from . import _plots
 
+        if pairs:
+            if not self._document.get("pairs"):
+                raise ValueError("pairs: not estimated; call spectrum with pairs=True")
+            return _plots.pairs(ax, self.pairs, self.sampler)
         return _plots.spectrum(ax, self.l, self.power, self.stderr, self.n, self.sampler)
 
 
