@@ -124,8 +124,9 @@ class Inputs:
         return document
 
     def _sampler(self, value: Any, label: str | None) -> str:
+        parameters = ""
         if isinstance(value, Sampler):
-            number, value = value.n, value.spec
+            number, parameters, value = value.n, value._point_parameters, value.spec
             # Points have a number of their own.
             if isinstance(value, str):
                 self._counts.append(number)
@@ -141,7 +142,51 @@ class Inputs:
             self.session.add_points(name, points, weights)
         text = f"file:{name}"
         self._labels[text] = label if label is not None else name
-        return text
+        if parameters:
+            self._labels[text + parameters] = self._labels[text]
+        return text + parameters
+
+
+def with_defaults(samplers: Any, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call with those of its `Sampler` objects where it has none.
+
+    Parameters
+    ----------
+    samplers
+        The samplers of the call, as the user gave them.
+    options
+        The options. Of ``hemisphere`` and ``square`` those that the call has; a seed of ``None`` is that
+        of the samplers, otherwise 0.
+
+    Raises
+    ------
+    ValueError
+        If the `Sampler` objects have different seeds or domains.
+    """
+    found = dict(options)
+    own = list(_samplers_in(samplers))
+    for name in ("hemisphere", "square"):
+        if not found.get(name) and name in found and any(getattr(one, name) for one in own):
+            if not all(getattr(one, name) for one in own):
+                raise ValueError(f"{name}: missing, and only some samplers have it")
+            found[name] = True
+    if found.get("seed") is None:
+        seeds = sorted({one.seed for one in own})
+        if len(seeds) > 1:
+            numbers = ", ".join(map(str, seeds))
+            raise ValueError(f"seed: missing, and the samplers have different ones: {numbers}")
+        found["seed"] = seeds[0] if seeds else 0
+    return found
+
+
+def _samplers_in(value: Any) -> Iterable[Sampler]:
+    """Yield the `Sampler` objects of a call."""
+    if isinstance(value, Sampler):
+        yield value
+    elif isinstance(value, Mapping):
+        yield from _samplers_in(list(value.values()))
+    elif isinstance(value, (list, tuple)):
+        yield from (one for one in value if isinstance(one, Sampler))
 
 
 def _rename(value: Any, labels: Mapping[str, str]) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _sphvar
 from ._ask import checked, document, warn, words
 from ._functions import Function, Given, IntegrandLike, add_integrand
-from ._inputs import Inputs, SamplerLike
+from ._inputs import Inputs, SamplerLike, with_defaults
 from ._progress import Progress, reporting
 from ._results import Result
 
@@ -115,7 +115,7 @@ def integrate(
     sampler: SamplerLike = "fibonacci",
     hemisphere: bool = False,
     max_points: int = 10_000_000,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> Integral:
     """Integrate a function over the sphere or the upper hemisphere to a tolerance.
@@ -141,7 +141,7 @@ def integrate(
     max_points
         The number of values not to exceed, summed over all copies and all N.
     seed
-        The seed of rotations and random samplers.
+        The seed of rotations and random samplers; that of a `Sampler`, otherwise 0, by default.
     progress
         True for a bar of tqdm, or a callable of the work done and expected.
 
@@ -185,6 +185,7 @@ def integrate(
             "hemisphere": hemisphere,
             "seed": seed,
         }
+        options = with_defaults(sampler, options)
         found = session.integrate(words("integrate", [], options), vector, label)
     body = document(found.document)
     body["message"] = found.failure

@@ -12,7 +12,7 @@ from . import _sphvar
 from ._ask import answer, checked, warn_of, words
 from ._functions import IntegrandLike
 from ._given import PointsLike, given_points
-from ._inputs import Inputs, SamplerLike, SamplersLike
+from ._inputs import Inputs, SamplerLike, SamplersLike, with_defaults
 from ._progress import Progress, reporting
 from ._results import (
     AuditResult,
@@ -48,7 +48,7 @@ def bounds(
     band: int | None = None,
     decay: float | None = None,
     hemisphere: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> BoundsResult:
     """Bound the variance and its convergence rate by spectral profiles.
@@ -88,8 +88,8 @@ def bounds(
         The decay p of the worst case, energy ``l**-p``: 2 by default, for integrands with a jump.
     hemisphere : bool
         Use the hemisphere z >= 0 instead of the sphere.
-    seed : int
-        The seed of all random numbers.
+    seed : int, optional
+        The seed of all random numbers; that of the `Sampler` objects, otherwise 0, by default.
     progress : bool or callable, optional
         True for a bar, or a callable of the work done and expected.
 
@@ -123,6 +123,7 @@ def bounds(
         "hemisphere": hemisphere,
         "seed": seed,
     }
+    options = with_defaults(sampler, options)
     with reporting(progress) as report:
         session = _sphvar.Session(report)
         inputs = Inputs(session, [sampler, spectrum, profile, integrand])
@@ -158,7 +159,7 @@ def audit(
     tolerance: float | None = None,
     unrotated: bool = False,
     hemisphere: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> AuditResult:
     """Test an ensemble for rotation invariance, which the variance formula assumes.
@@ -189,8 +190,8 @@ def audit(
         Audit the sampler as drawn only.
     hemisphere : bool
         Use the hemisphere z >= 0 instead of the sphere.
-    seed : int
-        The seed of all random numbers.
+    seed : int, optional
+        The seed of all random numbers; that of the `Sampler` objects, otherwise 0, by default.
     progress : bool or callable, optional
         True for a bar, or a callable of the work done and expected.
 
@@ -227,6 +228,7 @@ def audit(
         "hemisphere": hemisphere,
         "seed": seed,
     }
+    options = with_defaults(source, options)
     with reporting(progress) as report:
         session = _sphvar.Session(report)
         inputs = Inputs(session, [source, columns, hdu])
@@ -255,7 +257,7 @@ def quality(
     rank: bool = False,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> QualityResult:
     """Measure point sets: distances, discrepancies, worst-case errors, energies, uniformity.
@@ -280,8 +282,8 @@ def quality(
         Use the hemisphere z >= 0: all measures are those of lines through points and antipodes.
     square : bool
         Use the unit square instead of the sphere.
-    seed : int
-        The seed of all random numbers.
+    seed : int, optional
+        The seed of all random numbers; that of the `Sampler` objects, otherwise 0, by default.
     progress : bool or callable, optional
         True for a bar, or a callable of the work done and expected.
 
@@ -312,9 +314,10 @@ def quality(
         "square": square,
         "seed": seed,
     }
+    options = with_defaults(samplers, options)
     with reporting(progress) as report:
         session = _sphvar.Session(report)
-        inputs = Inputs(session, [samplers], square)
+        inputs = Inputs(session, [samplers], options["square"])
         texts = inputs.samplers(samplers)
         options["count"] = inputs.count(n)
         return QualityResult(inputs.relabelled(answer("quality", texts, options, session)))

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, TypeVar, Union
 from . import _sphvar
 from ._ask import answer, checked
 from ._functions import IntegrandLike
-from ._inputs import Inputs, SamplersLike
+from ._inputs import Inputs, SamplersLike, with_defaults
 from ._progress import Progress, reporting
 from ._results import (
     ChoiceResult,
@@ -50,6 +50,7 @@ def _question(
     """
     with reporting(progress) as report:
         session = _sphvar.Session(report)
+        options = with_defaults(samplers, options)
         values = [samplers, integrand, *options.values()]
         inputs = Inputs(session, values, square=bool(options.get("square")))
         positional = inputs.samplers(samplers)
@@ -76,7 +77,7 @@ def predict(
     epsilon: float | None = None,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> VarianceResult:
     """Predict the variance of integrating a function with patterns, without trials.
@@ -109,9 +110,10 @@ def predict(
     method, epsilon
         Transform of point sets, ``"auto"``, ``"exact"`` or ``"fast"``, and its relative accuracy.
     hemisphere, square
-        Use the hemisphere z >= 0 or the unit square instead of the sphere.
+        Use the hemisphere z >= 0 or the unit square instead of the sphere; the domain of the `Sampler`
+        objects by default.
     seed
-        Seed of all random numbers.
+        Seed of all random numbers; that of the `Sampler` objects, otherwise 0, by default.
     progress
         ``True`` for a bar (tqdm), or a callable of the work done and expected.
 
@@ -170,7 +172,7 @@ def measure(
     project: int | None = None,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> VarianceResult:
     """Measure the variance of integrating a function with patterns over independent trials.
@@ -250,7 +252,7 @@ def variance(
     rotations: str | None = None,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> VarianceResult:
     """Predict and measure the variance of integrating a function with patterns.
@@ -318,7 +320,7 @@ def fixed_orientation(
     realizations: int | None = None,
     nearest: bool = False,
     hemisphere: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> Table:
     """Compute the errors of patterns in the orientation that they have, without rotations.
@@ -377,7 +379,7 @@ def compare(
     epsilon: float | None = None,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> ComparisonResult:
     """Compare patterns on an integrand: variances, their rates, and where curves cross.
@@ -446,7 +448,7 @@ def choose(
     project: int | None = None,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> ChoiceResult:
     """Rank patterns by the points required for an error, or by the error with n points.
@@ -513,7 +515,7 @@ def progressive(
     rotate: bool = True,
     hemisphere: bool = False,
     square: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     progress: Progress = None,
 ) -> ProgressiveResult:
     """Predict and measure the error of the first points of sequences, for every number of them.

@@ -176,6 +176,11 @@ class Sampler:
         return points if weights is None else (points, weights)
 
     @property
+    def _point_parameters(self) -> str:
+        """The parameters of given points, as they follow the name of the points in a text."""
+        return "" if self._given is None else self._spec.removeprefix("file:points")
+
+    @property
     def n(self) -> int:
         """The number of points of every set; where it varies, the requested or the mean number.
 

@@ -329,3 +329,23 @@ def test_nothing_is_printed_or_written(capfd: pytest.CaptureFixture[str], tmp_pa
         os.chdir(before)
     assert capfd.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_options_of_samplers_are_those_of_questions_about_them() -> None:
+    def measured(sampler: Any, **options: Any) -> Any:
+        return sphvar.measure(sampler, n=48, integrand="cap:degrees=60", realizations=8, **options)
+
+    sampler = sphvar.Sampler("jittered", 48, seed=3)
+    assert measured(sampler) == measured("jittered", seed=3) != measured("jittered")
+    assert measured(sampler, seed=4) == measured("jittered", seed=4)
+    half = sphvar.Sampler("white-noise", 48, hemisphere=True)
+    assert measured(half) == measured("white-noise", hemisphere=True)
+    with pytest.raises(ValueError, match="seed: missing, and the samplers have different ones: 0, 3"):
+        measured([sampler, sphvar.Sampler("fibonacci", 48)])
+    with pytest.raises(ValueError, match="hemisphere: missing, and only some samplers have it"):
+        measured([half, sampler], seed=0)
+    long = sphvar.Sampler(2 * sphvar.Sampler("fibonacci", 48).random()[0], normalize=True)
+    assert sphvar.quality(long).rows[0]["sampler"] == "points"
+    white = sphvar.Sampler("white-noise", 48, seed=3)
+    integral = sphvar.integrate("cosine", rtol=0.1, sampler=white)
+    assert integral == sphvar.integrate("cosine", rtol=0.1, sampler="white-noise", seed=3)
