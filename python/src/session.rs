@@ -247,7 +247,6 @@ impl Session {
     }
 
     /// Return the energies of an integrand to degree `lmax` and their errors, or None.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
     fn energies<'py>(
         &self,
         py: Python<'py>,
