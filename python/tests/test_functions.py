@@ -354,7 +354,7 @@ def test_what_is_masked_is_missing():
         lambda mask: sphvar.quality(np.ma.array([[1.0, 0, 0], [0, 1, 0]], mask=mask)),
     ):
         call(False)
-        with pytest.raises(ValueError, match="values are masked"):
+        with pytest.raises(ValueError, match="elements are masked"):
             call(True)
 
 

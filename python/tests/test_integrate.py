@@ -146,7 +146,7 @@ def test_invalid_options_are_errors_before_anything_runs() -> None:
         return points[:, 2]
 
     for options, kind, words in [
-        ({"rtol": -1.0}, ValueError, "--rtol"),
+        ({"rtol": -1.0}, ValueError, "for rtol"),
         ({"rtol": 0.0}, ValueError, "tolerance"),
         ({"rtol": np.nan}, ValueError, "rtol"),
         ({"sampler": "fibonaci"}, ValueError, "fibonacci"),

@@ -167,6 +167,9 @@ def test_invalid_values_have_the_words_of_the_command(call, words):
     with pytest.raises(ValueError) as error:
         call()
     printed = " ".join(command(*words).split())
+    # Options have the names of keywords.
+    for option, keyword in {"--nearest": "nearest=True", "-n/--count": "n", "-m ": "realizations "}.items():
+        printed = printed.replace(option, keyword)
     assert " ".join(str(error.value).split()) in printed
 
 

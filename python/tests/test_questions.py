@@ -175,7 +175,7 @@ def test_unknown_keywords_name_the_close_ones() -> None:
 def test_errors_are_those_of_the_command() -> None:
     with pytest.raises(ValueError, match="at least 4|must be at least"):
         sphvar.measure("jittered", n=12, integrand=CAP, realizations=1)
-    with pytest.raises(ValueError, match="missing required option option n, the"):
+    with pytest.raises(ValueError, match="missing required option n, the"):
         sphvar.predict("fibonacci", integrand=CAP)
     with pytest.raises(ValueError, match="unknown|no integrand"):
         sphvar.predict("fibonacci", n=12, integrand="kap")

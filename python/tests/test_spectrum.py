@@ -228,7 +228,7 @@ def test_the_sampler_object_has_its_own_options():
     ("arguments", "kind", "message"),
     [
         (dict(source="jitterd", n=9), ValueError, "jitterd"),
-        (dict(source="jittered"), ValueError, "-n/--count"),
+        (dict(source="jittered"), ValueError, "option n,"),
         (dict(source="jittered", n=-1), ValueError, "-1"),
         (dict(source="healpix", n=50), ValueError, "nearest"),
         (dict(source="jittered", n=12, realizations=0), ValueError, "at least 1, got 0"),
@@ -239,7 +239,7 @@ def test_the_sampler_object_has_its_own_options():
         (dict(source="jittered", n=12, shard=2), TypeError, "shard: expected two integers"),
         (dict(source="jittered", n=12, exact=True, shard=(1, 2)), ValueError, "no parts"),
         (dict(source="poisson-disk", n=9, exact=True), ValueError, "no closed form"),
-        (dict(source="jittered", n=12, epsilon=2.0), ValueError, "--epsilon must be in"),
+        (dict(source="jittered", n=12, epsilon=2.0), ValueError, "epsilon must be in"),
         (dict(source="jittered", n=12, weights=[1.0] * 9), ValueError, "not for the sampler"),
         (dict(source="jittered", n=12, realisations=3), TypeError, "realizations"),
         (dict(source=pathlib.Path("missing.csv")), OSError, "missing.csv"),
