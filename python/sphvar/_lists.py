@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterator
 from typing import Any, SupportsIndex
 
@@ -10,9 +11,10 @@ from ._ask import ask
 
 
 class Entry:
-    """What is known about a sampler, an integrand or a density: its name, a summary, parameters.
+    """A sampler, an integrand or a density that has a name, with a summary and its parameters.
 
-    Every key of the document of ``sphvar list --json`` is an attribute.
+    Every key of the document of ``sphvar list --json`` is an attribute. ``print(entry)`` lists the
+    parameters; lists of entries are printed as tables, also in notebooks.
 
     Parameters
     ----------
@@ -78,6 +80,54 @@ class Entry:
     def __repr__(self) -> str:
         return f"<{self.name}: {self.summary}>"
 
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.summary}"]
+        for key, summary in self._described():
+            lines.append(f"  {key}: {summary}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        title = f"<caption>{html.escape(f'{self.name}: {self.summary}')}</caption>"
+        return f"<table>{title}{_html_rows(self._described())}</table>"
+
+    def _described(self) -> list[tuple[str, ...]]:
+        """Return the parameters with their descriptions, ranges and defaults."""
+        found: list[tuple[str, ...]] = []
+        for parameter in self._document.get("parameters", []):
+            default = parameter.get("default")
+            ends = [parameter["summary"], parameter["range"]]
+            ends += [] if default is None else [f"default {default}"]
+            found.append((parameter["name"], "; ".join(ends)))
+        return found
+
+
+class _Entries(list[Entry]):
+    """A list of entries that is printed as a table of their names, parameters and summaries."""
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        return [
+            (entry.name, ", ".join(part.name for part in entry.parameters), entry.summary)
+            for entry in self
+        ]
+
+    def __repr__(self) -> str:
+        cells = self._cells()
+        wide = [max((len(row[i]) for row in cells), default=0) for i in range(2)]
+        return "\n".join(
+            f"{name:{wide[0]}}  {parameters:{wide[1]}}  {summary}".rstrip()
+            for name, parameters, summary in cells
+        )
+
+    def _repr_html_(self) -> str:
+        head = "<tr><th>name</th><th>parameters</th><th>summary</th></tr>"
+        return f"<table>{head}{_html_rows(self._cells())}</table>"
+
+
+def _html_rows(rows: list[tuple[str, ...]]) -> str:
+    return "".join(
+        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
+    )
+
 
 _KINDS = {
     "sphere": ("samplers", "samplers", {}),
@@ -103,6 +153,11 @@ def list_samplers(domain: str = "sphere", *, n: SupportsIndex | None = None) -> 
         With the attributes ``name``, ``summary``, ``parameters``, ``counts`` (the valid numbers of
         points in words), ``cost``, ``low_degrees``, ``smooth_rate``, ``jump_rate``, ``distribution``,
         ``deterministic``, ``extensible``, ``last_empty_degrees`` and ``source``.
+
+    Notes
+    -----
+    The samplers of ``list_samplers("square")``, such as ``sobol``, also sample a density of directions by
+    the parameter ``warp``: ``"sobol:warp=cosine"``. `list_warps` has the densities.
 
     Examples
     --------
@@ -145,7 +200,11 @@ def list_integrands(domain: str = "sphere") -> list[Entry]:
 
 
 def list_warps() -> list[Entry]:
-    """Return the densities by which samplers of the unit square sample directions.
+    """Return the densities that the parameter ``warp`` of samplers accepts.
+
+    A sampler of the unit square, such as ``"sobol"`` or ``"halton"``, samples directions in proportion
+    to the density and has weights for it: ``"sobol:warp=cosine"``, or ``'sobol:warp="vmf:kappa=20"'``
+    with parameters. `lights` also accepts ``warp=luminance``, the luminance of its image.
 
     Returns
     -------
@@ -163,4 +222,4 @@ def list_warps() -> list[Entry]:
 
 def _entries(kind: str, key: str, options: dict[str, Any]) -> list[Entry]:
     document = ask("list", [kind], options, _sphvar.Session(None))
-    return [Entry(entry) for entry in document[key]]
+    return _Entries(Entry(entry) for entry in document[key])

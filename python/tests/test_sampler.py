@@ -336,3 +336,14 @@ def test_samplers_are_equal_if_they_draw_the_same():
     points = one.random()
     assert Sampler(points) == Sampler(points.copy()) != Sampler(-points)
     assert Sampler(points) != one
+
+
+def test_lists_and_entries_print_their_parameters() -> None:
+    warps = sphvar.list_warps()
+    assert len(repr(warps).splitlines()) == len(warps)
+    assert "kappa" in repr(warps)
+    sobol = next(entry for entry in sphvar.list_samplers() if entry.name == "sobol")
+    assert "default owen" in str(sobol)
+    assert all(part.name in sobol._repr_html_() for part in sobol.parameters)
+    assert warps._repr_html_().count("<tr>") == len(warps) + 1
+    assert sphvar.Sampler('sobol:warp="vmf:kappa=20"', 8).random(1).shape == (1, 8, 3)
