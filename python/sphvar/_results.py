@@ -1035,7 +1035,10 @@ class QualityResult(Table):
         if not any(name in row for row in self.rows):
             return NotImplemented
         entries = [row.get(name) for row in self.rows]
-        if name in ("worst_case_error", "riesz_energy", "condition"):
+        if name in ("scaled", "stderr"):
+            entries = [_with_numbers(entry) for entry in entries]
+            return _array(entries) if "rows" in self._document else entries[0]
+        if name in _BY_NUMBER:
             keys = dict.fromkeys(key for entry in entries for key in entry or {})
             if "rows" not in self._document:
                 return {_number(key): (entries[0] or {})[key] for key in keys}
@@ -1294,6 +1297,22 @@ def _compared(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return _compared(value.tolist())
     return None if isinstance(value, float) and np.isnan(value) else value
+
+
+#: Measures by an exponent or a degree, which is a text in the document.
+_BY_NUMBER = ("worst_case_error", "riesz_energy", "condition")
+
+
+def _with_numbers(measures: Any) -> Any:
+    """Return measures with numbers as the keys of those that depend on an exponent or a degree."""
+    if not isinstance(measures, dict):
+        return measures
+    return {
+        name: {_number(key): value for key, value in measure.items()}
+        if name in _BY_NUMBER and isinstance(measure, dict)
+        else measure
+        for name, measure in measures.items()
+    }
 
 
 def _number(key: str) -> float:

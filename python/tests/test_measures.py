@@ -206,3 +206,11 @@ def test_invalid_arrays_are_reported():
 def test_unknown_keywords_name_the_close_ones():
     with pytest.raises(TypeError, match="realizations"):
         sphvar.audit("jittered", n=12, realisations=60)
+
+
+def test_exponents_are_numbers_in_all_measures():
+    single = sphvar.quality("fibonacci", n=32, realizations=1)
+    assert set(single.scaled["worst_case_error"]) == set(single.worst_case_error)
+    assert all(isinstance(key, (int, float)) for key in single.scaled["riesz_energy"])
+    several = sphvar.quality(["fibonacci", "white-noise"], n=32)
+    assert set(several.scaled[1]["worst_case_error"]) == set(several.worst_case_error)
