@@ -70,7 +70,7 @@ def is_equal(one: Any, other: Any) -> bool:
 
 
 class Function(_Wrapper):
-    """A callable as an integrand, with what is known of it.
+    """A callable as an integrand, with options such as its degree.
 
     A callable on its own is an integrand too: its degree and energies are found from its values.
 

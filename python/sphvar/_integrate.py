@@ -123,7 +123,8 @@ def integrate(
     The value is the mean over 16 independently rotated copies of a set of N points. N doubles until
     the error, the half width of a 95 % interval from the spread of the copies, is at most
     ``max(atol, rtol * abs(value))``. A tolerance that is not met is a warning, and
-    ``converged`` is false.
+    ``converged`` is false. The average over directions is the value divided by ``4 pi``, on the
+    hemisphere by ``2 pi``.
 
     Parameters
     ----------
@@ -135,7 +136,8 @@ def integrate(
     atol
         The absolute tolerance, which an integral of 0 needs.
     sampler
-        The sampler of the points.
+        The sampler of the points. ``"lebedev"`` needs fewer values for smooth functions, but has no
+        set of more than 5810 points.
     hemisphere
         Whether the domain is the hemisphere z >= 0; nothing is evaluated below.
     max_points
@@ -168,6 +170,14 @@ def integrate(
     >>> integral = sphvar.integrate(lambda points: np.exp(points[:, 0]), rtol=1e-6)
     >>> integral.converged, bool(abs(integral.value - 4 * np.pi * np.sinh(1)) < 2 * integral.error)
     (True, True)
+
+    The average over orientations of several functions, from the same points:
+
+    >>> q = np.array([0.5, 1.0, 2.0])
+    >>> squares = lambda points: np.cos(np.outer(points[:, 2], q)) ** 2
+    >>> averages = sphvar.integrate(squares, sampler="lebedev").value / (4 * np.pi)
+    >>> bool(np.allclose(averages, 0.5 + np.sin(2 * q) / (4 * q), rtol=1e-4))
+    True
     """
     with reporting(progress) as report:
         session = _sphvar.Session(report)
@@ -222,7 +232,7 @@ def evaluate(integrand: IntegrandLike, points: ArrayLike) -> NDArray[np.float64]
     integrand
         The integrand.
     points
-        Unit vectors of shape (n, 3).
+        Unit vectors of shape (n, 3), whose lengths may differ from 1 by up to 1e-6.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """HEALPix pixels of directions and back, with the signatures of healpy.
 
 Ring order exists for every nside from 1 to 2**29, nested order for powers of two. Arrays broadcast, and
-may have any shape, strides and type of numbers; numbers in give numbers out. Other than healpy, invalid
-values are a ``ValueError`` that names the first one and its index.
+may have any shape, strides and numeric type; the result for scalars is a scalar. Unlike in healpy, an
+invalid value raises a ``ValueError`` with the first such value and its index.
 
 Examples
 --------
