@@ -39,8 +39,7 @@ def whole(name: str, value: Any, lowest: int = 0, largest: int | None = None) ->
     ValueError
         For a number out of range.
     """
-    if isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name}: expected a whole number, got {value}")
+    reject_truth(name, value)
     try:
         number = operator.index(value)
     except TypeError:
@@ -51,6 +50,12 @@ def whole(name: str, value: Any, lowest: int = 0, largest: int | None = None) ->
     if largest is not None and not lowest <= number <= largest:
         raise ValueError(f"{name} must be from {lowest} to {largest}, got {number}")
     return number
+
+
+def reject_truth(name: str, value: Any) -> None:
+    """Raise a TypeError for truth values, which old versions of numpy take as whole numbers."""
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name}: expected a whole number, got {value}")
 
 
 def degree(name: str, value: Any) -> int:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
 from ._ask import checked, document, warn, words
+from ._checks import reject_truth
 from ._functions import Function, Given, IntegrandLike, add_integrand
 from ._inputs import Inputs, SamplerLike, with_defaults
 from ._progress import Progress, reporting
@@ -279,4 +280,5 @@ def energies(
     """
     session = _sphvar.Session()
     text = Inputs(session, [integrand]).integrand(integrand)
+    reject_truth("lmax", lmax)
     return session.energies(text, lmax, bool(hemisphere))[0]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _sphvar
+from ._checks import reject_truth
 from ._progress import Progress, reporting
 
 #: How coefficients are computed: ``exact``, by the definition and to rounding, ``fast``, to a
@@ -75,6 +76,7 @@ def points2alm(
     >>> np.round(alm.real, 4)
     array([0.5642, 0.    , 1.2616, 0.    , 0.    , 0.    ])
     """
+    reject_truth("lmax", lmax)
     if progress is None:
         return _sphvar.points2alm(points, lmax, weights, epsilon, method)
     with reporting(progress) as report:
@@ -132,6 +134,7 @@ def alm2points(
     >>> float(sphvar.alm2points([0, 1, 0], [[0.6, 0, 0.8]])[0]).__round__(4)
     0.3909
     """
+    reject_truth("lmax", lmax)
     if progress is None:
         return _sphvar.alm2points(alm, points, lmax, epsilon, method)
     with reporting(progress) as report:
