@@ -32,7 +32,7 @@ _LETTERS = {"n": "n", "realizations": "m", "seed": "s"}
 
 
 class SphvarWarning(UserWarning):
-    """A warning of the command, for example of a file that is not what its name promises."""
+    """A warning of the command, for example on a file whose content does not match its name."""
 
 
 class AnsweringSession(Protocol):

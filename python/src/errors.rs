@@ -1,5 +1,5 @@
-//! Exceptions: `ValueError` for values that cannot be, `OSError` for files, `MemoryError` before
-//! memory is taken, `RuntimeError` where valid work fails.
+//! Exceptions: `ValueError` for invalid values, `OSError` for files, `MemoryError` before memory is
+//! taken, `RuntimeError` where valid work fails.
 
 use std::fmt::Display;
 
