@@ -8,6 +8,7 @@ use crate::commands::{
     weights,
 };
 use crate::global::Global;
+use crate::shards::ShardArgs;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and why
 #[derive(Debug, Parser)]
@@ -101,4 +102,14 @@ pub(crate) enum Command {
     /// Print completions for a shell, or write manual pages
     #[command(after_help = completions::EXAMPLES)]
     Completions(completions::CompletionsArgs),
+}
+
+impl Command {
+    /// Returns the flags of a command whose work can be divided.
+    pub(crate) fn sharding(&self) -> Option<&ShardArgs> {
+        match self {
+            Self::Spectrum(args) => Some(&args.sharding),
+            _ => None,
+        }
+    }
 }

@@ -12,13 +12,12 @@ use clap::Parser;
 use glam::DVec3;
 use sphvar_samplers::PointSet;
 use sphvar_scene::Mesh;
-use sphvar_spectrum::SpectrumAccumulator;
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{
-    ChannelChoice, Columns, FitsField, HduChoice, ReadOptions, Shard, ShardSums, SquareSums,
-    read_fits_map, read_image, read_list, read_points, read_spectrum, write_points,
+    ChannelChoice, Columns, FitsField, HduChoice, ReadOptions, read_fits_map, read_image,
+    read_list, read_points, read_spectrum, write_points,
 };
 use crate::message;
 
@@ -329,29 +328,27 @@ fn saved_sums(pattern: &str, scratch: &Path) -> Option<Vec<u8>> {
     fs::read(scratch).ok()
 }
 
-/// Corrects the checksum, because otherwise no code after its check would be reached.
+/// Corrects the checksums, because otherwise no code after their check would be reached, and reports
+/// the results of the file.
 fn shard(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     let mut input = input.to_vec();
-    // It follows the first line.
-    let head = input.iter().position(|&b| b == b'\n').map_or(0, |end| end + 1);
-    if let Some((checksum, body)) =
-        input.get_mut(head..).and_then(|rest| rest.split_at_mut_checked(4))
-    {
+    // Records follow the first line: length, checksum, content.
+    let mut next = input.iter().position(|&b| b == b'\n').map_or(0, |end| end + 1);
+    while let Some((head, rest)) = input.get_mut(next..).and_then(|r| r.split_at_mut_checked(12)) {
+        let (length, checksum) = head.split_at_mut(8);
+        let length: [u8; 8] = length.try_into().unwrap_or_default();
+        let length = usize::try_from(u64::from_le_bytes(length)).unwrap_or(usize::MAX);
+        let Some(body) = rest.get(..length) else { break };
         checksum.copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+        next += 12 + length;
     }
     write(&input, scratch)?;
-    if Shard::<SquareSums>::begins(scratch) {
-        let mut sums = Shard::<SquareSums>::read(scratch)?.sums;
-        let same = sums.clone();
-        sums.try_merge(&same)?;
-        sums.spectrum.finish()?;
-        return Ok(());
+    let words = [OsStr::new("sphvar"), OsStr::new("merge"), scratch.as_os_str()];
+    let words = words.into_iter().chain(["--partial", "--quiet"].map(OsStr::new));
+    match Cli::try_parse_from(words).map(|cli| (cli.command, cli.global)) {
+        Ok((Command::Merge(arguments), global)) => crate::commands::merge::run(&arguments, &global),
+        _ => Ok(()),
     }
-    let mut sums = Shard::<SpectrumAccumulator>::read(scratch)?.sums;
-    let same = sums.clone();
-    sums.try_merge(&same)?;
-    sums.finish()?;
-    Ok(())
 }
 
 fn planted_seeds(_: &Path) -> Vec<Vec<u8>> {

@@ -31,6 +31,7 @@ mod report;
 #[cfg(test)]
 mod schema;
 mod session;
+mod shards;
 mod share;
 mod spec;
 mod transforms;
@@ -113,7 +114,15 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.global.threads).build_global().map_err(
         |e| CliError::Failed(format!("cannot start {} threads: {e}", cli.global.threads)),
     )?;
-    execute(cli.command, &cli.global)
+    let Cli { command, mut global } = cli;
+    let Some(sharding) = command.sharding().filter(|args| args.save.is_some()).cloned() else {
+        return execute(command, &global);
+    };
+    let tasks = sharding.tasks(global.session.words())?;
+    global.session = global.session.with_tasks(global.session.words(), tasks.clone());
+    execute(command, &global)?;
+    tasks.finish()?;
+    sharding.report(&global)
 }
 
 /// Runs a subcommand on the current pool of threads.

@@ -51,8 +51,9 @@ impl Progress {
         Self::new(work, session)
     }
 
-    /// Returns the progress of `work` units.
+    /// Returns the progress of `work` units, of which this process does its share.
     pub(crate) fn new(work: f64, session: &Session) -> Self {
+        let work = work * session.tasks().share();
         Self(match session.host_progress() {
             Some(host) => {
                 host.expect(work);

@@ -11,6 +11,7 @@ use sphvar_samplers::{Progress, Stopped};
 use crate::error::CliError;
 use crate::given::Given;
 use crate::message;
+use crate::shards::Tasks;
 
 /// The arrays that a run reads besides files, and the place of its output, messages and progress:
 /// the streams of the process, or the program that the command is embedded in.
@@ -20,6 +21,7 @@ use crate::message;
 pub struct Session {
     inner: Arc<Inner>,
     pub(crate) given: Given,
+    tasks: Tasks,
 }
 
 struct Inner {
@@ -71,7 +73,8 @@ impl Session {
     }
 
     fn with(words: Vec<String>, channel: Channel, given: Given) -> Self {
-        Self { inner: Arc::new(Inner { words, channel, remarked: Mutex::default() }), given }
+        let inner = Arc::new(Inner { words, channel, remarked: Mutex::default() });
+        Self { inner, given, tasks: Tasks::default() }
     }
 
     /// Returns the session of an embedding program without arrays. Nothing is written to the streams
@@ -94,12 +97,27 @@ impl Session {
                 output: Mutex::default(),
             }),
         };
-        Self::with(words.to_vec(), channel, self.given.clone())
+        Self {
+            tasks: self.tasks.clone(),
+            ..Self::with(words.to_vec(), channel, self.given.clone())
+        }
+    }
+
+    /// Returns the session of one run with these words after the name of the command, whose tasks are
+    /// those given.
+    pub(crate) fn with_tasks(&self, words: &[String], tasks: Tasks) -> Self {
+        Self { tasks, ..self.run(words) }
+    }
+
+    /// Returns the tasks of the run.
+    pub(crate) fn tasks(&self) -> &Tasks {
+        &self.tasks
     }
 
     /// Returns a session with the same arrays that reports nothing.
     pub(crate) fn muted(&self) -> Self {
-        Self::with(Vec::new(), Channel::Terminal { quiet: true }, self.given.clone())
+        let muted = Self::with(Vec::new(), Channel::Terminal { quiet: true }, self.given.clone());
+        Self { tasks: self.tasks.clone(), ..muted }
     }
 
     /// Returns the messages of all runs in their order, which the command prints to standard error,

@@ -4,6 +4,7 @@ use crate::{Accumulator, Realization};
 
 /// Collects one coefficient `S_lm` of every realization, for example to study its distribution.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CoefficientSamples {
     l: usize,
     m: usize,

@@ -1,257 +1,129 @@
-//! `sphvar merge`: merges spectrum shards.
+//! `sphvar merge`: the results of a run that was computed in parts.
 
-use std::ops::Range;
+use std::ffi::OsString;
 use std::path::PathBuf;
-use std::time::Instant;
 
-use clap::Args;
-use sphvar_spectrum::SpectrumAccumulator;
+use clap::{Args, CommandFactory, FromArgMatches};
 
-use super::spectrum::{Remarks, SquareResult, check_save, emit, emit_square};
+use crate::args::Cli;
 use crate::error::CliError;
-use crate::files::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
-use crate::flags::OutArgs;
+use crate::files::{AtomicFile, is_stdout, record_input};
 use crate::global::Global;
-use crate::report::{Provenance, check_result};
+use crate::shards::{ShardFile, Tasks};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 1/2 --save a.shard
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 2/2 --save b.shard
   sphvar merge a.shard b.shard -o spectrum.csv
+  sphvar merge parts/*.shard --json
 
-Sums are exact, so the spectrum is bit-identical to that of a single run for any parts in any order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions \
-or instruction-set classes are an error, and so are duplicate realizations and, without --partial, missing \
-parts.";
+A merge writes what the command itself would write, with the options of output in its parts or those given here: its \
+results are bit-identical to those of one run, for any number of parts in any order. Options that only this command has \
+follow --, as in `sphvar merge a.shard b.shard -- --per-order orders.csv`. Parts of different commands, versions or \
+instruction-set classes are an error, and so are parts that read different files, a part that is given twice and, without \
+--partial, missing parts.";
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// Shards, the files of `sphvar spectrum --save`
+    /// The files of --save of all parts
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    #[command(flatten)]
-    out: OutArgs,
-    /// Merge the given shards even if others are missing
+    /// Where the command writes its results, in any form that it has [default: as it was said for the parts]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Report the results of the given parts even if others are missing
     #[arg(long)]
     partial: bool,
-    /// Save the exact sums of all shards as one
+    /// Save the results of all given parts in one file
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
+    /// Further options of output of the command
+    #[arg(last = true, value_name = "OPTIONS")]
+    outputs: Vec<OsString>,
 }
 
 pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
-    if let Some(path) = &args.out.out {
-        check_result(path, true)?;
-    }
     if let Some(path) = &args.save {
-        check_save(path)?;
+        if is_stdout(path) {
+            return Err(CliError::Usage("--save must name a file".to_owned()));
+        }
+        AtomicFile::check(path)?;
     }
-    let started = Instant::now();
-    let out = args.out.out.as_deref();
-    let seconds = || started.elapsed().as_secs_f64();
-    if args.files.iter().all(|path| Shard::<SquareSums>::begins(path)) {
-        let Shard { ensemble, sums, .. } = merged::<SquareSums>(args, global)?;
-        let result = SquareResult::of_sums(&sums, !ensemble.is_random)?;
-        let provenance = Provenance::new(&global.session, ensemble.seed);
-        let (name, remarks) = (&ensemble.sampler, Remarks::default());
-        return emit_square(out, global, name, &result, &remarks, seconds(), &provenance);
-    }
-    let Shard { ensemble, sums, .. } = merged::<SpectrumAccumulator>(args, global)?;
-    let spectrum = sums.finish()?;
-    let spectrum = if ensemble.is_random { spectrum } else { spectrum.into_exact() };
-    let provenance = Provenance::new(&global.session, ensemble.seed);
-    let (name, remarks) = (&ensemble.sampler, Remarks::default());
-    emit(out, global, name, &spectrum, remarks, seconds(), &provenance)
-}
-
-/// Returns the shards of `args` as one, after it is saved if requested.
-fn merged<S: ShardSums>(args: &MergeArgs, global: &Global) -> Result<Shard<S>, CliError> {
-    let mut shards: Vec<(String, Shard<S>)> = Vec::new();
+    let mut files = Vec::new();
     for path in &args.files {
-        shards.push((path.display().to_string(), Shard::read(path)?));
+        files.push((path.display().to_string(), ShardFile::read(path)?));
+        record_input(path);
     }
-    let whole = merge_shards(shards)?;
-    let total = whole.ensemble.realizations;
-    let missing = whole.missing();
+    let merged = ShardFile::merged(files)?;
+    let (have, of) = (&merged.asked.parts, merged.asked.of);
+    let missing: Vec<u64> = missing(have, of).take(MAX_LISTED + 1).collect();
     if !missing.is_empty() && !args.partial {
         return Err(CliError::File(format!(
-            "missing: {}; add {}, or use --partial to merge the {} available of {total} realizations",
-            missing_in_words(&whole),
+            "missing: {} of {of}; add {}, or use --partial for the results of the {} given",
+            in_words(&missing),
             if missing.len() == 1 { "it" } else { "them" },
-            total - count(&missing),
+            have.len(),
         )));
     }
-    let merged = if missing.is_empty() {
-        format!("all {total} realizations")
+    let command = merged.asked.command();
+    global.session.say(&if missing.is_empty() {
+        format!("{command}: all {of} parts")
     } else {
-        let ranges = in_words(&joined(whole.ranges()), range_in_words);
-        format!("{} of {total} realizations: {ranges}", total - count(&missing))
-    };
-    global.session.say(&format!("{}, {merged}", whole.ensemble.sampler));
+        format!("{command}: {} of {of} parts", have.len())
+    });
     if let Some(path) = &args.save {
-        whole.write(path)?;
+        merged.write(path)?;
     }
-    Ok(whole)
+    let words = words(args, &merged.asked.words, global)?;
+    let (command, mut replayed) = parsed(&words)?;
+    let tasks = Tasks::of_results(merged, args.partial);
+    replayed.session = global.session.with_tasks(&words, tasks);
+    crate::execute(command, &replayed)
 }
 
-/// Returns shards of one ensemble, each with its name in messages, as one.
-///
-/// # Errors
-///
-/// If there are none, if they are of different ensembles, or if a realization is in two of them.
-pub(crate) fn merge_shards<S: ShardSums>(
-    shards: Vec<(String, Shard<S>)>,
-) -> Result<Shard<S>, CliError> {
-    check_equal(&shards, |ensemble| {
-        let SavedEnsemble { sampler, seed, realizations, .. } = ensemble;
-        let of_sampler = [
-            ("samplers", sampler.clone()),
-            ("seeds", seed.to_string()),
-            ("numbers of realizations", realizations.to_string()),
-        ];
-        of_sampler.into_iter().chain(computation(ensemble)).collect()
-    })?;
-    check_overlap(&shards)?;
-    let mut whole = sum(shards)?;
-    let total = whole.ensemble.realizations;
-    whole.parts.sort_by_key(|part| part.range(total).start);
-    Ok(whole)
-}
-
-/// Returns the sums of given sets, each with its name in messages, as one. Given sets have no
-/// numbers, so all are added.
-///
-/// # Errors
-///
-/// If there are none, or if they were computed differently.
-pub(crate) fn merge_given<S: ShardSums>(
-    shards: Vec<(String, Shard<S>)>,
-) -> Result<Shard<S>, CliError> {
-    check_equal(&shards, |ensemble| computation(ensemble).collect())?;
-    let count = |(_, shard): &(String, Shard<S>)| shard.ensemble.realizations;
-    let total = shards.iter().map(count).fold(0, u64::saturating_add);
-    let mut whole = sum(shards)?;
-    whole.ensemble.realizations = total;
-    whole.ensemble.is_random = total > 1;
-    whole.parts = vec![Part::WHOLE];
-    Ok(whole)
-}
-
-/// Adds the sums of shards.
-fn sum<S: ShardSums>(shards: Vec<(String, Shard<S>)>) -> Result<Shard<S>, CliError> {
-    let mut shards = shards.into_iter();
-    let Some((first, mut whole)) = shards.next() else {
-        return Err(CliError::Usage("no files to merge".to_owned()));
+/// Returns the words of the command with the options of output of this one.
+fn words(args: &MergeArgs, asked: &[String], global: &Global) -> Result<Vec<String>, CliError> {
+    let mut words = asked.to_vec();
+    let utf8 = |word: &OsString| {
+        let shown = || CliError::Usage(format!("{} is not valid UTF-8", word.display()));
+        word.to_str().map(str::to_owned).ok_or_else(shown)
     };
-    for (name, shard) in shards {
-        whole
-            .sums
-            .try_merge(&shard.sums)
-            .map_err(|error| CliError::File(format!("{first} and {name}: {error}")))?;
-        whole.parts.extend(shard.parts);
+    if let Some(path) = &args.out {
+        words.extend(["--out".to_owned(), utf8(&path.clone().into_os_string())?]);
     }
-    Ok(whole)
-}
-
-/// Returns what the bits of sums depend on besides the sets.
-fn computation<D>(ensemble: &SavedEnsemble<D>) -> impl Iterator<Item = (&'static str, String)> {
-    let SavedEnsemble { transform, version, instruction_set, .. } = ensemble;
-    let facts = [
-        ("transforms", transform.clone()),
-        ("versions of sphvar", version.clone()),
-        ("instruction sets", instruction_set.clone()),
-    ];
-    facts.into_iter()
-}
-
-/// Returns an error if two shards differ in one of the facts on their ensembles.
-fn check_equal<S: ShardSums>(
-    shards: &[(String, Shard<S>)],
-    facts: impl Fn(&SavedEnsemble<S::Domain>) -> Vec<(&'static str, String)>,
-) -> Result<(), CliError> {
-    let Some(((first, a), others)) = shards.split_first() else { return Ok(()) };
-    let expected = facts(&a.ensemble);
-    for (name, b) in others {
-        let pairs = expected.iter().zip(facts(&b.ensemble));
-        if let Some(((what, a), (_, b))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
-            return Err(CliError::File(format!(
-                "{first} and {name} are of different {what}: {a} and {b}"
-            )));
-        }
+    for word in &args.outputs {
+        words.push(utf8(word)?);
     }
-    Ok(())
+    words.extend(global.json.then(|| "--json".to_owned()));
+    words.extend(global.quiet.then(|| "--quiet".to_owned()));
+    Ok(words)
 }
 
-/// The maximum number of list entries in a message; further entries are counted.
+/// Returns the command of words, in which later options take the place of earlier ones.
+fn parsed(words: &[String]) -> Result<(crate::args::Command, Global), CliError> {
+    let all = std::iter::once("sphvar").chain(words.iter().map(String::as_str));
+    let matches = Cli::command().args_override_self(true).try_get_matches_from(all);
+    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
+        let text = error.to_string();
+        let first = text.lines().next().unwrap_or_default();
+        let first = first.strip_prefix("error: ").unwrap_or(first);
+        CliError::Usage(format!("sphvar {}: {first}", words.join(" ")))
+    })?;
+    Ok((cli.command, cli.global))
+}
+
+/// The maximum number of parts in a message.
 const MAX_LISTED: usize = 12;
 
-fn in_words<T>(list: &[T], word: impl Fn(&T) -> String) -> String {
-    let named: Vec<String> = list.iter().take(MAX_LISTED).map(word).collect();
-    let more = list.len() - named.len();
-    named.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+/// Returns the parts of `of` that are not in a list in order.
+fn missing(have: &[u64], of: u64) -> impl Iterator<Item = u64> {
+    let mut have = have.iter().copied().peekable();
+    (1..=of).filter(move |&part| have.next_if_eq(&part).is_none())
 }
 
-fn range_in_words(range: &Range<u64>) -> String {
-    match range.end - range.start {
-        1 => range.start.to_string(),
-        _ => format!("{} to {}", range.start, range.end - 1),
-    }
-}
-
-/// Returns the missing parts if all files have the same number of parts, and their realizations.
-fn missing_in_words<S: ShardSums>(whole: &Shard<S>) -> String {
-    let missing = whole.missing();
-    let realizations = format!("realizations {}", in_words(&missing, range_in_words));
-    let total = whole.ensemble.realizations;
-    let parts = whole.parts[0].parts;
-    if whole.parts.iter().any(|part| part.parts != parts) {
-        return realizations;
-    }
-    let mut absent = Vec::new();
-    for gap in &missing {
-        let mut next = gap.start;
-        // One more than are named shows that there are more.
-        while next < gap.end && absent.len() <= MAX_LISTED {
-            let part = Part::of_realization(next, total, parts);
-            next = part.range(total).end;
-            absent.push(part);
-        }
-    }
-    let more = if absent.len() > MAX_LISTED { ", ..." } else { "" };
-    absent.truncate(MAX_LISTED);
-    format!("parts {}{more} ({realizations})", in_words(&absent, Part::to_string))
-}
-
-/// Returns the ranges in order, with adjacent ranges joined.
-fn joined(mut ranges: Vec<Range<u64>>) -> Vec<Range<u64>> {
-    ranges.dedup_by(|next, range| {
-        let touch = range.end == next.start;
-        if touch {
-            range.end = next.end;
-        }
-        touch
-    });
-    ranges
-}
-
-fn count(ranges: &[Range<u64>]) -> u64 {
-    ranges.iter().map(|range| range.end - range.start).sum()
-}
-
-/// Rejects a realization that is in two files.
-fn check_overlap<S: ShardSums>(shards: &[(String, Shard<S>)]) -> Result<(), CliError> {
-    let mut parts: Vec<_> = shards
-        .iter()
-        .flat_map(|(name, s)| s.ranges().into_iter().map(move |range| (range, name)))
-        .collect();
-    parts.sort_by_key(|(part, _)| part.start);
-    for pair in parts.windows(2) {
-        let [(a, first), (b, second)] = pair else { continue };
-        if a.end > b.start {
-            return Err(CliError::File(format!(
-                "realization {} is in {first} and in {second}",
-                b.start
-            )));
-        }
-    }
-    Ok(())
+fn in_words(parts: &[u64]) -> String {
+    let named: Vec<String> = parts.iter().take(MAX_LISTED).map(u64::to_string).collect();
+    let noun = if parts.len() == 1 { "part" } else { "parts" };
+    let more = if parts.len() > MAX_LISTED { ", ..." } else { "" };
+    format!("{noun} {}{more}", named.join(", "))
 }

@@ -2,8 +2,10 @@
 
 mod chart;
 mod coefficient;
+mod merging;
 mod pairs;
 pub(crate) mod report;
+mod saved;
 mod square;
 mod square_chart;
 pub(crate) mod square_report;
@@ -16,24 +18,28 @@ use std::time::Instant;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sphvar_samplers::{
     Domain, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
 };
 use sphvar_spectrum::{
-    CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, OrderPower, Resolution,
-    Spectrum, SpectrumAccumulator, accumulate,
+    Accumulator, CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, OrderPower,
+    Resolution, Spectrum, SpectrumAccumulator, accumulate,
 };
 
 use self::coefficient::{Coefficient, parse_coefficient};
 use self::pairs::{PairArgs, PairBody};
-pub(crate) use self::report::{Remarks, SpectrumBody, emit};
+use self::report::emit;
+pub(crate) use self::report::{Remarks, SpectrumBody};
+pub(crate) use self::saved::SquareSums;
+use self::saved::{SavedEnsemble, Shard};
 pub(crate) use self::square::{SquareComputed, compute as compute_square};
-pub(crate) use self::square_report::{SquareResult, SquareSpectrumBody, emit_square};
+pub(crate) use self::square_report::{SquareResult, SquareSpectrumBody};
 pub(crate) use self::sums::{EstimatedSums, Origin};
 use super::sets_args::SetsArgs;
 use crate::counts::parse_realizations;
 use crate::error::CliError;
-use crate::files::{AtomicFile, Part, SavedEnsemble, Shard};
+use crate::files::AtomicFile;
 use crate::flags::{
     KmaxArgs, LmaxArgs, OutArgs, SquareArgs, kmax_help, lmax_help, natural_degree_in_words,
 };
@@ -44,6 +50,7 @@ use crate::patterns;
 use crate::point_sets::{FileSets, WeightSums, WeightTotals};
 use crate::progress::Progress;
 use crate::report::{Provenance, check_result, csv_of, is_stdout, write_text};
+use crate::shards::{Divided, Part, ShardArgs};
 use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -72,15 +79,12 @@ variance of the power over a ring: a ratio, which is 1/M for M realizations of w
 no power. A single set from a file gives a radial mean without an error; several sets of the same process, or -m for a \
 sampler, give one. Powers of deterministic sets up to 1e-24 N, which are rounding errors, are 0.";
 
-/// Why the sums of a file cannot be saved.
-const SAVED_FILE: &str =
-    "--save is for built-in samplers: the sets of a file are not recorded with the sums";
-
 /// The default number of realizations.
 const REALIZATIONS: u64 = 100;
 
 #[derive(Debug, Args)]
 #[command(
+    mut_arg("save", |save| save.conflicts_with("exact")),
     mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))),
     mut_arg("kmax", |kmax| kmax.help(kmax_help(&natural_degree_in_words())))
 )]
@@ -113,45 +117,14 @@ pub(crate) struct SpectrumArgs {
     pub(crate) pairs: PairArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
-    /// Compute only part I of K equal parts of the realizations, for `sphvar merge`
-    #[arg(long, value_name = "I/K", requires = "save", conflicts_with_all = ["per_order", "coefficient"])]
-    pub(crate) shard: Option<Part>,
-    /// Save the exact sums, for `sphvar merge`
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["points_from", "exact"])]
-    pub(crate) save: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
     /// Write the mean power of every degree and order, `(4 pi/N) |S_lm|^2`, to a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) per_order: Option<PathBuf>,
     /// Write the samples of one coefficient `S_lm` over the realizations to a CSV file
     #[arg(long, num_args = 3, value_names = ["L", "M", "FILE"])]
     pub(crate) coefficient: Option<Vec<String>>,
-}
-
-impl SpectrumArgs {
-    /// Returns the part of the realizations that is computed.
-    fn share(&self) -> Part {
-        self.shard.unwrap_or(Part::WHOLE)
-    }
-
-    /// Returns the realizations of this part of `count`.
-    ///
-    /// # Errors
-    ///
-    /// If there are none.
-    fn part(&self, count: u64) -> Result<Range<u64>, CliError> {
-        let part = self.share().range(count);
-        if !part.is_empty() {
-            return Ok(part);
-        }
-        let why = if count == 1 && self.realizations != Some(1) {
-            "a deterministic pattern has one set: omit --shard"
-        } else {
-            "use at most as many parts as realizations"
-        };
-        Err(CliError::Usage(format!(
-            "--shard: the part contains none of the {count} realizations; {why}"
-        )))
-    }
 }
 
 /// The mean power of one degree and order, a row of `--per-order`.
@@ -217,11 +190,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         return square::run(args, global);
     }
     check_outputs(args, global)?;
-    let computed = compute(args, global)?;
+    let Some(computed) = compute(args, global, None)? else { return Ok(()) };
     let provenance = Provenance::new(&global.session, global.seed);
-    if let (Some(path), Some(sums)) = (&args.save, computed.sums) {
-        sums.shard.write(path)?;
-    }
     if let (Some(path), Some(orders)) = (&args.per_order, computed.orders) {
         let domain = computed.spectrum.domain();
         let orders = orders.finish().into_iter().filter(|o| domain.has_degree(o.l));
@@ -237,8 +207,13 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
-/// Computes the spectrum of directions that the arguments describe.
-pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<Computed, CliError> {
+/// Computes the spectrum of directions that the arguments describe, of the realizations of one part
+/// if it is given; `None` if this run keeps only a part of the work.
+pub(crate) fn compute(
+    args: &SpectrumArgs,
+    global: &Global,
+    only: Option<Part>,
+) -> Result<Option<Computed>, CliError> {
     let domain = args.sets.domain.domain();
     let source = source(args, domain, global)?;
     if let Source::Sampler { pattern, sampler } = &source
@@ -285,23 +260,30 @@ pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<Computed, 
             (&Realizations::rotated(&**sampler, streams), count)
         }
     };
-    let part = args.part(count)?;
     let set_work = match &source {
         Source::Sampler { sampler, .. } if given.is_none() => sampler.nominal_work(),
         _ => 0.0,
     };
     let pair_work = pairs.as_ref().map_or(0.0, |pairs| pairs.work(n_points));
     let work = set_work + method.nominal_work(n_points, lmax) + pair_work;
-    let progress = Progress::new((part.end - part.start) as f64 * work, &global.session);
+    let progress = Progress::new(count as f64 * work, &global.session);
     progress.stage(&name);
     let empty = (
         SpectrumAccumulator::new(domain, n_points, lmax),
         (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
     );
     let of_pairs = pairs.as_ref().map(|pairs| pairs.accumulators(&progress)).transpose()?;
-    let empty = (empty, of_pairs);
-    let ((sums, (orders, samples)), of_pairs) =
-        accumulate(sets, resolution, part.clone(), &empty, &progress)?;
+    let ((sums, (orders, samples)), of_pairs) = if of_pairs.is_some() {
+        let empty = (empty, of_pairs);
+        accumulate(sets, resolution, 0..count, &empty, &progress)?
+    } else {
+        let task = Divided { name: &name, count, work };
+        let sums = of_realizations(only, task, global, &progress, Accumulator::merge, |range| {
+            Ok(accumulate(sets, resolution, range, &empty, &progress)?)
+        })?;
+        let Some(sums) = sums else { return Ok(None) };
+        (sums, None)
+    };
     let (exact, origin) = match &source {
         Source::Sampler { pattern, sampler } => {
             let weights = WeightSums::of_sampler(&**sampler)?;
@@ -325,7 +307,7 @@ pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<Computed, 
         version: Provenance::new(&global.session, global.seed).version.to_string(),
         instruction_set: instruction_set(),
     };
-    let shard = Shard { ensemble, parts: vec![args.share()], sums };
+    let shard = Shard { ensemble, parts: vec![only.unwrap_or(Part::WHOLE)], sums };
     let sums = EstimatedSums { shard, origin };
     let mut remarks = sums.remarks();
     let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, remarks.has_no_error));
@@ -333,7 +315,7 @@ pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<Computed, 
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     let coefficient = coefficient.zip(samples);
-    Ok(Computed { name, spectrum, remarks, sums: Some(sums), seconds, orders, coefficient })
+    Ok(Some(Computed { name, spectrum, remarks, sums: Some(sums), seconds, orders, coefficient }))
 }
 
 /// Computes the spectrum in closed form.
@@ -342,7 +324,7 @@ fn compute_exact(
     global: &Global,
     pattern: &Pattern,
     sampler: &dyn Sampler,
-) -> Result<Computed, CliError> {
+) -> Result<Option<Computed>, CliError> {
     let lmax = args.lmax.lmax.unwrap_or_else(|| Resolution::natural_degree(sampler.n_points()));
     check_degree("--lmax", lmax)?;
     let exact = ExactSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
@@ -357,7 +339,8 @@ fn compute_exact(
     let seconds = started.elapsed().as_secs_f64();
     let weights = WeightSums::of_sampler(sampler)?;
     let remarks = Remarks { has_no_error: false, weights, pairs: None };
-    Ok(Computed { name, spectrum, remarks, sums: None, seconds, orders: None, coefficient: None })
+    let (sums, orders, coefficient) = (None, None, None);
+    Ok(Some(Computed { name, spectrum, remarks, sums, seconds, orders, coefficient }))
 }
 
 /// Rejects outputs that cannot be written, before the work starts.
@@ -376,15 +359,34 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
         }
         AtomicFile::check(path)?;
     }
-    args.save.as_deref().map_or(Ok(()), check_save)
+    Ok(())
 }
 
-/// Rejects a file of sums that cannot be written: sums are binary and not for standard output.
-pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
-    if is_stdout(path) {
-        return Err(CliError::Usage("--save must name a file".to_owned()));
+/// Returns the sums over the realizations of a task: of one part if it is given, otherwise of all;
+/// `None` if this run keeps only a part of the work.
+fn of_realizations<T: Serialize + DeserializeOwned>(
+    only: Option<Part>,
+    task: Divided<'_>,
+    global: &Global,
+    progress: &Progress,
+    merge: impl Fn(&mut T, &T),
+    compute: impl Fn(Range<u64>) -> Result<T, CliError>,
+) -> Result<Option<T>, CliError> {
+    let Some(part) = only else {
+        let append = |sums: &mut T, others: T| {
+            merge(sums, &others);
+            Ok(())
+        };
+        return global.session.tasks().divided(task, progress, append, compute);
+    };
+    let range = part.range(task.count);
+    if range.is_empty() {
+        let count = task.count;
+        return Err(CliError::Usage(format!(
+            "part {part} contains none of the {count} realizations; use at most as many parts as realizations"
+        )));
     }
-    Ok(AtomicFile::check(path)?)
+    compute(range).map(Some)
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
@@ -396,9 +398,6 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
     let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, &global.session)?;
     if args.exact && ExactSpectrum::of(&*sampler).is_none() {
         return Err(sampled_only(&pattern));
-    }
-    if args.save.is_some() && matches!(pattern, Pattern::PointFile(_)) {
-        return Err(CliError::Usage(SAVED_FILE.to_owned()));
     }
     Ok(Source::Sampler { pattern, sampler })
 }

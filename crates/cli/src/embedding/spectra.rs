@@ -6,12 +6,12 @@ use sphvar_spectrum::SpectrumAccumulator;
 use super::{Failure, Session, other_command};
 use crate::args::Command;
 use crate::commands::spectrum::{
-    self, EstimatedSums, SpectrumArgs, SpectrumBody, SquareResult, SquareSpectrumBody,
+    self, EstimatedSums, SpectrumArgs, SpectrumBody, SquareResult, SquareSpectrumBody, SquareSums,
 };
 use crate::error::CliError;
-use crate::files::SquareSums;
 use crate::global::Global;
 use crate::report::{Document, Provenance};
+use crate::shards::Part;
 
 /// A spectrum: the document of `sphvar spectrum --json`, and the exact sums of its realizations.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -50,33 +50,34 @@ impl Session {
         part: Option<[u64; 2]>,
     ) -> Result<SpectrumAnswer, Failure> {
         self.run_with(words, |command, global| {
-            let Command::Spectrum(mut args) = command else {
+            let Command::Spectrum(args) = command else {
                 return Err(other_command("spectrum"));
             };
+            let mut only = None;
             if let Some([i, k]) = part {
                 let parsed = format!("{i}/{k}").parse();
-                args.shard =
-                    Some(parsed.map_err(|error| CliError::Usage(format!("--shard: {error}")))?);
+                only = Some(parsed.map_err(|error| CliError::Usage(format!("--shard: {error}")))?);
                 check_parts(&args)?;
             }
-            SpectrumAnswer::compute(&args, global)
+            SpectrumAnswer::compute(&args, global, only)
         })
     }
 }
 
 impl SpectrumAnswer {
     /// Returns the spectrum that the arguments of the command describe.
-    fn compute(args: &SpectrumArgs, global: &Global) -> Result<Self, CliError> {
+    fn compute(args: &SpectrumArgs, global: &Global, only: Option<Part>) -> Result<Self, CliError> {
+        let kept = || CliError::Usage("--save does not apply to a spectrum in memory".to_owned());
         let provenance = Provenance::new(&global.session, global.seed);
         if args.square.square {
-            let computed = spectrum::compute_square(args, global)?;
+            let computed = spectrum::compute_square(args, global, only)?.ok_or_else(kept)?;
             let spectrum::SquareComputed { name, result, remarks, sums, seconds } = computed;
             let body = SquareSpectrumBody::new(&name, &result, &remarks, seconds);
             let document = Document::new(&body, &provenance).json()?;
             let sums = sums.map_or(Sums::ClosedForm, |sums| Sums::Square(Box::new(sums)));
             return Ok(Self { document, provenance, seconds, sums });
         }
-        let computed = spectrum::compute(args, global)?;
+        let computed = spectrum::compute(args, global, only)?.ok_or_else(kept)?;
         let spectrum::Computed { name, spectrum, remarks, sums, seconds, .. } = computed;
         let body = SpectrumBody::new(&name, &spectrum, remarks, seconds);
         let document = Document::new(&body, &provenance).json()?;

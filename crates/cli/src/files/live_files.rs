@@ -153,7 +153,7 @@ impl Write for LiveFile {
 }
 
 /// Returns whether `path` names this open file.
-pub(super) fn is_at(file: &File, path: &Path) -> bool {
+pub(crate) fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;

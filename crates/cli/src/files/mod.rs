@@ -23,7 +23,6 @@ mod point_templates;
 mod points;
 mod regular;
 mod rotations;
-mod shard;
 mod spectra;
 mod target;
 mod text_rows;
@@ -42,7 +41,7 @@ pub(crate) use image::{
 };
 pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
-pub(crate) use live_files::{as_group, remove_all_and_exit};
+pub(crate) use live_files::{as_group, is_at, remove_all_and_exit};
 pub(crate) use numbered_path::NumberedPath;
 pub(crate) use pairs::read_profile;
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
@@ -55,7 +54,6 @@ pub(crate) use points::{
 pub(crate) use regular::{read_regular, write_regular};
 pub use rotations::RotationFormat;
 pub(crate) use rotations::{RotationFile, write_rotations};
-pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
 pub(crate) use spectra::{SpectrumRow, read_spectrum};
 pub(crate) use target::{is_stdout, is_stream};
-pub(crate) use used_files::record_used_files;
+pub(crate) use used_files::{inputs, record_input, record_used_files};

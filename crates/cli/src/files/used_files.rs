@@ -1,6 +1,6 @@
 //! The files that a run of the command has read and written, so that no output replaces an input or another output.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +10,8 @@ static USED: Mutex<Option<Used>> = Mutex::new(None);
 
 #[derive(Debug, Default)]
 struct Used {
-    inputs: BTreeSet<PathBuf>,
+    /// With the names by which they were read.
+    inputs: BTreeMap<PathBuf, String>,
     outputs: BTreeSet<PathBuf>,
 }
 
@@ -20,12 +21,19 @@ pub(crate) fn record_used_files() {
 }
 
 /// Records that `path` is read.
-pub(super) fn record_input(path: &Path) {
+pub(crate) fn record_input(path: &Path) {
     with(|used| {
-        if let (Some(used), Ok(path)) = (used, fs::canonicalize(path)) {
-            used.inputs.insert(path);
+        if let (Some(used), Ok(found)) = (used, fs::canonicalize(path)) {
+            used.inputs.entry(found).or_insert_with(|| path.display().to_string());
         }
     });
+}
+
+/// Returns the regular files that have been read, each with the name by which it was read.
+pub(crate) fn inputs() -> Vec<(String, PathBuf)> {
+    let all = with(|used| used.as_ref().map(|used| used.inputs.clone())).unwrap_or_default();
+    let named = all.into_iter().map(|(path, name)| (name, path));
+    named.filter(|(_, path)| path.is_file()).collect()
 }
 
 /// Records that `path` has been written.
@@ -42,7 +50,7 @@ pub(super) fn conflict(path: &Path) -> Option<&'static str> {
     let path = fs::canonicalize(path).ok()?;
     with(|used| {
         let used = used.as_ref()?;
-        if used.inputs.contains(&path) {
+        if used.inputs.contains_key(&path) {
             Some("it is an input of this command; name another output file")
         } else if used.outputs.contains(&path) {
             Some("this command has written it already; name a file for each output")

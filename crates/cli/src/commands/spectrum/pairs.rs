@@ -23,7 +23,7 @@ use crate::session::Session;
 #[derive(Debug, Args)]
 pub(crate) struct PairArgs {
     /// Estimate the pair correlation g and Ripley's K and L too; they replace the spectrum in tables, CSV files and plots
-    #[arg(long, conflicts_with_all = ["exact", "shard"])]
+    #[arg(long, conflicts_with_all = ["exact", "save"])]
     pub(crate) pairs: bool,
     /// Largest angle between two points in degrees [default: five times the mean spacing]
     #[arg(long, value_name = "DEGREES", requires = "pairs", allow_negative_numbers = true)]

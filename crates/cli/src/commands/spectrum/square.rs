@@ -8,16 +8,16 @@ use sphvar_samplers::{
 };
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::{
-    ExactSquareSpectrum, Method, RadialAccumulator, SpectrumAccumulator, SquareResolution,
-    accumulate_square,
+    Accumulator, ExactSquareSpectrum, Method, RadialAccumulator, SpectrumAccumulator,
+    SquareResolution, accumulate_square,
 };
 
 use super::square_report::{SquareResult, emit_square};
 use super::{
-    EstimatedSums, Origin, REALIZATIONS, Remarks, SAVED_FILE, SpectrumArgs, check_outputs,
+    EstimatedSums, Origin, REALIZATIONS, Remarks, SavedEnsemble, Shard, SpectrumArgs, SquareSums,
+    check_outputs, of_realizations,
 };
 use crate::error::CliError;
-use crate::files::{SavedEnsemble, Shard, SquareSums};
 use crate::flags::{ONE_DOMAIN, USE_KMAX};
 use crate::global::Global;
 use crate::instruction_set::instruction_set;
@@ -26,6 +26,7 @@ use crate::patterns;
 use crate::point_sets::{FileSets, WeightSums, WeightTotals};
 use crate::progress::Progress;
 use crate::report::Provenance;
+use crate::shards::{Divided, Part};
 
 /// What takes the place of options for harmonics and for angles on the sphere.
 const OF_SPHERE: &str = "it is for directions";
@@ -46,9 +47,6 @@ impl Source {
         };
         let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
         let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, &global.session)?;
-        if args.save.is_some() && matches!(pattern, SquarePattern::PointFile(_)) {
-            return Err(CliError::Usage(SAVED_FILE.to_owned()));
-        }
         Ok(Self::Sampler { pattern, sampler })
     }
 
@@ -75,18 +73,20 @@ pub(crate) struct SquareComputed {
 
 pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     check_outputs(args, global)?;
-    let computed = compute(args, global)?;
-    if let (Some(path), Some(sums)) = (&args.save, computed.sums) {
-        sums.shard.write(path)?;
-    }
+    let Some(computed) = compute(args, global, None)? else { return Ok(()) };
     let SquareComputed { name, result, remarks, seconds, .. } = computed;
     let provenance = Provenance::new(&global.session, global.seed);
     let out = args.out.out.as_deref();
     emit_square(out, global, &name, &result, &remarks, seconds, &provenance)
 }
 
-/// Computes the spectrum of points of the square that the arguments describe.
-pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<SquareComputed, CliError> {
+/// Computes the spectrum of points of the square that the arguments describe, of the realizations of
+/// one part if it is given; `None` if this run keeps only a part of the work.
+pub(crate) fn compute(
+    args: &SpectrumArgs,
+    global: &Global,
+    only: Option<Part>,
+) -> Result<Option<SquareComputed>, CliError> {
     args.square.without(&[
         ("--hemisphere", args.sets.domain.hemisphere, ONE_DOMAIN),
         ("--lmax", args.lmax.lmax.is_some(), USE_KMAX),
@@ -113,11 +113,13 @@ pub(crate) fn compute(args: &SpectrumArgs, global: &Global) -> Result<SquareComp
         let weights = WeightSums::of_square_sampler(&**sampler);
         let remarks = Remarks { weights, ..Remarks::default() };
         let seconds = started.elapsed().as_secs_f64();
-        return Ok(SquareComputed { name, result, remarks, sums: None, seconds });
+        return Ok(Some(SquareComputed { name, result, remarks, sums: None, seconds }));
     }
-    let (result, sums) = sampled(args, global, &source, frequencies)?;
+    let sampled = sampled(args, global, &source, frequencies, only)?;
+    let Some((result, sums)) = sampled else { return Ok(None) };
     let seconds = started.elapsed().as_secs_f64();
-    Ok(SquareComputed { name, result, remarks: sums.remarks(), sums: Some(sums), seconds })
+    let remarks = sums.remarks();
+    Ok(Some(SquareComputed { name, result, remarks, sums: Some(sums), seconds }))
 }
 
 /// Computes the spectrum in closed form.
@@ -146,7 +148,8 @@ fn sampled(
     global: &Global,
     source: &Source,
     frequencies: Frequencies,
-) -> Result<(SquareResult, EstimatedSums<SquareSums>), CliError> {
+    only: Option<Part>,
+) -> Result<Option<(SquareResult, EstimatedSums<SquareSums>)>, CliError> {
     let (name, n_points) = source.facts();
     let kmax = frequencies.kmax();
     let (_, epsilon) = args.transform.checked()?;
@@ -179,20 +182,23 @@ fn sampled(
     };
     // One set of a deterministic pattern determines its spectrum.
     let count = if is_random { count } else { 1 };
-    let part = args.part(count)?;
     let resolution = SquareResolution { frequencies: frequencies.clone(), epsilon };
     let threads = rayon::current_num_threads();
     let bytes = resolution.bytes(n_points, count, threads)
         + BAND_BYTES * frequencies.len() as f64 * threads as f64;
     check_memory(&format!("a spectrum of {n_points} points to frequency {kmax} (--kmax)"), bytes)?;
     let work = set_work + resolution.nominal_work(n_points);
-    let progress = Progress::new((part.end - part.start) as f64 * work, &global.session);
+    let progress = Progress::new(count as f64 * work, &global.session);
     progress.stage(&name);
     let empty = (
         SpectrumAccumulator::of_square(frequencies.clone(), n_points)?,
         RadialAccumulator::new(frequencies),
     );
-    let (spectrum, radial) = accumulate_square(sets, &resolution, part, &empty, &progress)?;
+    let task = Divided { name: &name, count, work };
+    let sums = of_realizations(only, task, global, &progress, Accumulator::merge, |range| {
+        Ok(accumulate_square(sets, &resolution, range, &empty, &progress)?)
+    })?;
+    let Some((spectrum, radial)) = sums else { return Ok(None) };
     drop(progress);
     let sums = SquareSums { spectrum, radial };
     let result = SquareResult::of_sums(&sums, !is_random)?;
@@ -207,7 +213,7 @@ fn sampled(
         version: Provenance::new(&global.session, global.seed).version.to_string(),
         instruction_set: instruction_set(),
     };
-    let shard = Shard { ensemble, parts: vec![args.share()], sums };
+    let shard = Shard { ensemble, parts: vec![only.unwrap_or(Part::WHOLE)], sums };
     let origin = match source {
         Source::Sampler { pattern, sampler } => {
             let is_file = matches!(pattern, SquarePattern::PointFile(_));
@@ -215,7 +221,7 @@ fn sampled(
         }
         Source::Files(sets) => Origin::Given(WeightTotals::of_sets(sets.sets().sets())),
     };
-    Ok((result, EstimatedSums { shard, origin }))
+    Ok(Some((result, EstimatedSums { shard, origin })))
 }
 
 /// Returns the error of `--exact` for a pattern without a closed-form spectrum.

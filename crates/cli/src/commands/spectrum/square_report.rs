@@ -8,9 +8,9 @@ use sphvar_sh::Frequencies;
 use sphvar_spectrum::{RadialSpectrum, Spectrum};
 
 use super::report::{Remarks, text_of_weights, thinned};
+use super::saved::SquareSums;
 use super::square_chart::plot;
 use crate::error::CliError;
-use crate::files::SquareSums;
 use crate::global::Global;
 use crate::plots::ImageFormat;
 use crate::point_sets::WeightSums;

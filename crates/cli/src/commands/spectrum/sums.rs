@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use sphvar_spectrum::SpectrumAccumulator;
 
+use super::merging::{merge_given, merge_shards};
 use super::report::Remarks;
-use crate::commands::merge::{merge_given, merge_shards};
+use super::saved::{Shard, ShardSums};
 use crate::error::CliError;
-use crate::files::{Shard, ShardSums};
 use crate::point_sets::{WeightSums, WeightTotals};
 
 /// The sums of the realizations of a spectrum, with what is reported beside them.

@@ -1,11 +1,7 @@
-//! The sums of a part of an ensemble's spectrum.
+//! The sums of a part of an ensemble's spectrum, which a program keeps in memory.
 
 use std::fmt;
-use std::fs;
-use std::io::Read;
 use std::ops::Range;
-use std::path::Path;
-use std::str::FromStr;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -13,8 +9,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::{Error, RadialAccumulator, SpectrumAccumulator};
 
-use super::used_files::record_input;
-use super::{AtomicFile, FileError, Place};
+use crate::shards::Part;
 
 /// Exact sums, which can be merged in any order.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -29,10 +24,6 @@ pub(crate) struct Shard<S: ShardSums = SpectrumAccumulator> {
 
 /// The sums of a spectrum, on the sphere or on the square.
 pub(crate) trait ShardSums: Clone + fmt::Debug + Serialize + DeserializeOwned {
-    /// The rest of the first line of the files in this version of their format; a CRC-32 of the rest
-    /// of the file follows, little-endian.
-    const FORM: &'static [u8];
-
     /// The domain, as far as the sums do not determine it.
     type Domain: Clone + fmt::Debug + Serialize + DeserializeOwned;
 
@@ -44,8 +35,6 @@ pub(crate) trait ShardSums: Clone + fmt::Debug + Serialize + DeserializeOwned {
 }
 
 impl ShardSums for SpectrumAccumulator {
-    const FORM: &'static [u8] = b"4\n";
-
     type Domain = Domain;
 
     fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble) -> bool {
@@ -68,8 +57,6 @@ pub(crate) struct SquareSums {
 }
 
 impl ShardSums for SquareSums {
-    const FORM: &'static [u8] = b"square 1\n";
-
     type Domain = ();
 
     fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble<()>) -> bool {
@@ -92,13 +79,6 @@ impl ShardSums for SquareSums {
     }
 }
 
-/// One of several equal parts of an ensemble, `I/K`, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Part {
-    pub(crate) part: u64,
-    pub(crate) parts: u64,
-}
-
 /// All quantities that the sums depend on except the realizations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedEnsemble<D = Domain> {
@@ -119,130 +99,18 @@ pub(crate) struct SavedEnsemble<D = Domain> {
     pub(crate) instruction_set: String,
 }
 
-/// The first bytes of the files, in every version of the format.
-const NAME: &[u8] = b"sphvar shard ";
-
-impl Part {
-    /// The whole ensemble.
-    pub(crate) const WHOLE: Self = Self { part: 1, parts: 1 };
-
-    /// Returns the realizations of this part of `count`; the sizes of parts differ by at most one.
-    pub(crate) fn range(self, count: u64) -> Range<u64> {
-        let end = |part: u64| {
-            let wide = u128::from(count) * u128::from(part) / u128::from(self.parts);
-            u64::try_from(wide).unwrap_or(count)
-        };
-        end(self.part - 1)..end(self.part)
-    }
-
-    /// Returns the one of `parts` parts of `count` realizations that contains realization
-    /// `realization`, which is below `count`.
-    pub(crate) fn of_realization(realization: u64, count: u64, parts: u64) -> Self {
-        let wide = (u128::from(realization) + 1) * u128::from(parts);
-        let part = u64::try_from(wide.div_ceil(u128::from(count))).unwrap_or(parts);
-        Self { part, parts }
-    }
-
-    fn is_valid(self) -> bool {
-        1 <= self.part && self.part <= self.parts
-    }
-}
-
-impl FromStr for Part {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers =
-            text.split_once('/').and_then(|(i, k)| Some((i.parse().ok()?, k.parse().ok()?)));
-        numbers
-            .map(|(part, parts)| Self { part, parts })
-            .filter(|part| part.is_valid())
-            .ok_or_else(|| format!("expected I/K with 1 <= I <= K as in 2/4, got \"{text}\""))
-    }
-}
-
-impl fmt::Display for Part {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.part, self.parts)
-    }
-}
-
 impl<S: ShardSums> Shard<S> {
-    /// Writes the file, complete or not at all.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be written.
-    pub(crate) fn write(&self, path: &Path) -> Result<(), FileError> {
-        let body = postcard::to_stdvec(self).map_err(|error| FileError::Write {
-            path: path.display().to_string(),
-            source: std::io::Error::other(error),
-        })?;
-        let checksum = crc32fast::hash(&body).to_le_bytes();
-        AtomicFile::write_whole(path, &[NAME, S::FORM, &checksum, &body].concat())
-    }
-
-    /// Reads a file.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be read, has another format or is damaged.
-    pub(crate) fn read(path: &Path) -> Result<Self, FileError> {
-        let name = path.display().to_string();
-        let bytes =
-            fs::read(path).map_err(|source| FileError::Open { path: name.clone(), source })?;
-        record_input(path);
-        let wrong = |got: &str| FileError::Layout {
-            path: name.clone(),
-            place: Place::Whole,
-            expected: "a file of `sphvar spectrum --save`".to_owned(),
-            got: got.to_owned(),
-        };
-        let rest = bytes.strip_prefix(NAME).ok_or_else(|| wrong("something else"))?;
-        let rest = rest.strip_prefix(S::FORM).ok_or_else(|| {
-            let is_of_square = |form: &[u8]| form.starts_with(b"square");
-            if is_of_square(rest) != is_of_square(S::FORM) {
-                return wrong("one of another domain: the unit square and the sphere do not mix");
-            }
-            wrong("one of another version of sphvar, whose sums cannot be added to those of this one; create it again")
-        })?;
-        let (checksum, body) =
-            rest.split_at_checked(4).ok_or_else(|| wrong("its beginning only"))?;
-        if crc32fast::hash(body).to_le_bytes() != checksum {
-            return Err(wrong("a damaged one"));
-        }
-        let shard: Self = postcard::from_bytes(body).map_err(|_| wrong("other content"))?;
-        if shard.is_whole() {
-            Ok(shard)
-        } else {
-            Err(wrong("sums that do not fit its realizations"))
-        }
-    }
-
     /// Returns the realizations in it, part by part.
     pub(crate) fn ranges(&self) -> Vec<Range<u64>> {
         self.parts.iter().map(|part| part.range(self.ensemble.realizations)).collect()
-    }
-
-    /// Returns the missing realizations.
-    pub(crate) fn missing(&self) -> Vec<Range<u64>> {
-        let mut missing = Vec::new();
-        let mut next = 0;
-        let end = self.ensemble.realizations;
-        for range in self.ranges().into_iter().chain(std::iter::once(end..end)) {
-            if next < range.start {
-                missing.push(next..range.start);
-            }
-            next = range.end;
-        }
-        missing
     }
 
     /// Returns whether the sums are consistent with the number of realizations; those of this
     /// program always are.
     pub(crate) fn is_whole(&self) -> bool {
         let Self { ensemble, parts, sums } = self;
-        if parts.is_empty() || !parts.iter().all(|part| part.is_valid()) {
+        let is_valid = |part: &Part| 1 <= part.part && part.part <= part.parts;
+        if parts.is_empty() || !parts.iter().all(is_valid) {
             return false;
         }
         let ranges = self.ranges();
@@ -251,13 +119,6 @@ impl<S: ShardSums> Shard<S> {
         filled
             && apart
             && sums.are_of(ranges.iter().map(|range| range.end - range.start).sum(), ensemble)
-    }
-
-    /// Returns whether a file begins as one of these shards.
-    pub(crate) fn begins(path: &Path) -> bool {
-        let mut start = vec![0; NAME.len() + S::FORM.len()];
-        let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
-        read.is_ok() && start == [NAME, S::FORM].concat()
     }
 }
 

@@ -1,0 +1,24 @@
+//! Work that is divided among processes, kept on the disk, and added.
+//!
+//! ```text
+//! part:   words -> command -> Tasks --results of this part--> FILE.unfinished -> FILE
+//! merge:  FILEs -> words -> command -> Tasks --results of all parts--> report
+//! ```
+//!
+//! A command states its expensive work as named tasks (`Tasks::once`, `Tasks::divided`), which do not
+//! depend on each other's results. A part computes its share of every task, and a merge runs the same
+//! command with the results of all parts, so it writes every form that the command writes.
+
+mod args;
+mod asked;
+mod file;
+mod fingerprint;
+mod part;
+mod tasks;
+mod unfinished;
+
+pub(crate) use args::ShardArgs;
+pub(crate) use asked::Asked;
+pub(crate) use file::ShardFile;
+pub(crate) use part::Part;
+pub(crate) use tasks::{Divided, Tasks};

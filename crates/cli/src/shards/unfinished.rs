@@ -1,0 +1,117 @@
+//! The results of unfinished work, each of which is on the disk as soon as it is known.
+
+use std::fs::{File, TryLockError};
+use std::io::{self, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::Asked;
+use super::file::{Record, ShardFile, write_record, write_start};
+use crate::error::CliError;
+use crate::files::{FileError, is_at};
+
+/// The file of unfinished work, `FILE.unfinished`, which exists from the first result on.
+///
+/// It remains when the process ends early, by a signal or otherwise, and the same command continues
+/// from it. Its lock is held while it is open.
+#[derive(Debug)]
+pub(super) struct Unfinished {
+    path: PathBuf,
+    file: Option<File>,
+}
+
+impl Unfinished {
+    /// Opens the unfinished work for the results in `target` and returns what a previous run of the
+    /// same question has left.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be opened, another process has it open, or it is of another question.
+    pub(super) fn open(target: &Path, asked: &Asked) -> Result<(Self, ShardFile), CliError> {
+        let mut name = target.as_os_str().to_owned();
+        name.push(".unfinished");
+        let mut unfinished = Self { path: PathBuf::from(name), file: None };
+        let nothing = ShardFile::new(asked.clone());
+        if !unfinished.path.exists() {
+            return Ok((unfinished, nothing));
+        }
+        let mut file = unfinished.locked()?;
+        let shown = unfinished.path.display();
+        let known = ShardFile::read_unfinished(&file);
+        let read = match known {
+            Some((read, valid)) if read.asked == *asked => {
+                let cut = file.set_len(valid).and_then(|()| file.seek(SeekFrom::Start(valid)));
+                cut.map_err(|source| unfinished.error(source))?;
+                read
+            }
+            Some((read, _)) if !read.results.is_empty() => {
+                return Err(CliError::File(format!(
+                    "{shown} has unfinished work of another run ({} {} on {}); remove it, or name another file",
+                    read.asked.command(),
+                    read.asked.version,
+                    read.asked.instruction_set
+                )));
+            }
+            // A process was killed while it wrote the first bytes, or the file is not ours.
+            _ => {
+                let emptied = file.set_len(0).and_then(|()| file.rewind());
+                let started = emptied.and_then(|()| write_start(&mut file, asked));
+                started.map_err(|source| unfinished.error(source))?;
+                nothing
+            }
+        };
+        unfinished.file = Some(file);
+        Ok((unfinished, read))
+    }
+
+    /// Opens and locks the file, which is created if it is missing.
+    fn locked(&self) -> Result<File, CliError> {
+        loop {
+            let mut options = File::options();
+            options.read(true).write(true).create(true).truncate(false);
+            let file = options.open(&self.path).map_err(|source| self.error(source))?;
+            // On a file system without locks the file is unprotected, but the run continues.
+            if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+                return Err(CliError::File(format!(
+                    "{} is in use: another process computes the same part",
+                    self.path.display()
+                )));
+            }
+            // Otherwise the process that held it has just finished and removed it.
+            if is_at(&file, &self.path) {
+                return Ok(file);
+            }
+        }
+    }
+
+    /// Appends a record of this question.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written, or another process has the file open.
+    pub(super) fn append(&mut self, asked: &Asked, record: &Record) -> Result<(), CliError> {
+        if self.file.is_none() {
+            let mut file = self.locked()?;
+            write_start(&mut file, asked).map_err(|source| self.error(source))?;
+            self.file = Some(file);
+        }
+        let Some(file) = &mut self.file else { return Ok(()) };
+        Ok(write_record(file, record)
+            .map_err(|source| FileError::Write { path: self.path.display().to_string(), source })?)
+    }
+
+    /// Removes the file, because the work is finished.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be removed.
+    pub(super) fn remove(self) -> Result<(), CliError> {
+        match &self.file {
+            None => Ok(()),
+            Some(_) => Ok(std::fs::remove_file(&self.path).map_err(|source| self.error(source))?),
+        }
+    }
+
+    fn error(&self, source: io::Error) -> FileError {
+        FileError::Write { path: self.path.display().to_string(), source }
+    }
+}
