@@ -35,6 +35,7 @@ use crate::commands::spectrum::square_report::SquareSpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::commands::weights::WeightsBody;
 use crate::report::Document;
+use crate::shards::PartBody;
 
 /// The variable that makes the test write the file instead of comparing it.
 const WRITE: &str = "SPHVAR_WRITE_SCHEMA";
@@ -51,6 +52,7 @@ fn document<T: JsonSchema + 'static>(generator: &mut SchemaGenerator) -> Schema 
 /// Returns every document under the words of its command.
 fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
     vec![
+        ("--shard", document::<PartBody>(generator)),
         ("accuracy", document::<AccuracyBody>(generator)),
         ("audit", document::<AuditBody>(generator)),
         ("bounds", document::<BoundsBody>(generator)),
@@ -65,7 +67,6 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("integrate", document::<IntegrateBody>(generator)),
         ("lights", document::<LightsBody>(generator)),
         ("list", document::<ListBody>(generator)),
-        ("merge", document::<SpectrumBody>(generator)),
         ("progressive", document::<ProgressiveBody>(generator)),
         ("quality", document::<QualityBody>(generator)),
         ("quality --square", document::<SquareQualityBody>(generator)),

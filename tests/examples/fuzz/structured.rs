@@ -201,7 +201,7 @@ fn radiance(file: &[u8]) -> Option<Range<usize>> {
     Some(resolution + line..file.len())
 }
 
-/// The sums: behind the mark, the checksum and the texts of the description.
+/// The results, behind the texts of the question.
 fn shard(file: &[u8]) -> Option<Range<usize>> {
     Some(file.len() / 2..file.len())
 }

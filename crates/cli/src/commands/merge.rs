@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory, FromArgMatches};
+use clap::{Arg, Args, CommandFactory, FromArgMatches};
 
 use crate::args::Cli;
 use crate::error::CliError;
@@ -15,7 +15,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 1/2 --save a.shard
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 2/2 --save b.shard
   sphvar merge a.shard b.shard -o spectrum.csv
-  sphvar merge parts/*.shard --json
+  sphvar merge a.shard b.shard --json
 
 A merge writes what the command itself would write, with the options of output in its parts or those given here: its \
 results are bit-identical to those of one run, for any number of parts in any order. Options that only this command has \
@@ -65,6 +65,11 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
             have.len(),
         )));
     }
+    if merged.is_empty() {
+        return Err(CliError::File(
+            "the given parts have no results: other parts have them".to_owned(),
+        ));
+    }
     let command = merged.asked.command();
     global.session.say(&if missing.is_empty() {
         format!("{command}: all {of} parts")
@@ -89,14 +94,43 @@ fn words(args: &MergeArgs, asked: &[String], global: &Global) -> Result<Vec<Stri
         word.to_str().map(str::to_owned).ok_or_else(shown)
     };
     if let Some(path) = &args.out {
-        words.extend(["--out".to_owned(), utf8(&path.clone().into_os_string())?]);
+        words.extend(["-o".to_owned(), utf8(&path.clone().into_os_string())?]);
     }
-    for word in &args.outputs {
-        words.push(utf8(word)?);
+    let outputs = args.outputs.iter().map(utf8).collect::<Result<Vec<_>, _>>()?;
+    for word in &outputs {
+        words = without(words, word.split('=').next().unwrap_or_default());
     }
+    words.extend(outputs);
     words.extend(global.json.then(|| "--json".to_owned()));
     words.extend(global.quiet.then(|| "--quiet".to_owned()));
     Ok(words)
+}
+
+/// Returns words without an option and its values: those of options with several values would be
+/// added to later ones.
+fn without(words: Vec<String>, flag: &str) -> Vec<String> {
+    let command = Cli::command();
+    let mut names = words.iter();
+    let subcommand = names.find_map(|word| command.find_subcommand(word));
+    let is_flag =
+        |arg: &&Arg| flag.strip_prefix("--").is_some_and(|name| arg.get_long() == Some(name));
+    let Some(arg) = subcommand.and_then(|command| command.get_arguments().find(is_flag)) else {
+        return words;
+    };
+    let values = arg.get_num_args().map_or(1, |count| count.max_values());
+    let mut kept = Vec::new();
+    let mut words = words.into_iter().peekable();
+    while let Some(word) = words.next() {
+        let joined = word.strip_prefix(flag).is_some_and(|rest| rest.starts_with('='));
+        if word == flag {
+            for _ in 0..values {
+                words.next_if(|word| !word.starts_with("--"));
+            }
+        } else if !joined {
+            kept.push(word);
+        }
+    }
+    kept
 }
 
 /// Returns the command of words, in which later options take the place of earlier ones.

@@ -277,7 +277,10 @@ pub(crate) fn compute(
         let empty = (empty, of_pairs);
         accumulate(sets, resolution, 0..count, &empty, &progress)?
     } else {
-        let task = Divided { name: &name, count, work };
+        let orders = if args.per_order.is_some() { ", every order" } else { "" };
+        let samples = coefficient.as_ref().map(|c| format!(", coefficient {} {}", c.l, c.m));
+        let task = format!("{name}{orders}{}", samples.unwrap_or_default());
+        let task = Divided { name: &task, count, work };
         let sums = of_realizations(only, task, global, &progress, Accumulator::merge, |range| {
             Ok(accumulate(sets, resolution, range, &empty, &progress)?)
         })?;
@@ -381,9 +384,13 @@ fn of_realizations<T: Serialize + DeserializeOwned>(
     };
     let range = part.range(task.count);
     if range.is_empty() {
-        let count = task.count;
+        let why = match task.count {
+            1 => "a deterministic pattern has one set, which is in part 1",
+            _ => "use at most as many parts as realizations",
+        };
         return Err(CliError::Usage(format!(
-            "part {part} contains none of the {count} realizations; use at most as many parts as realizations"
+            "part {part} contains none of the {} realizations; {why}",
+            task.count
         )));
     }
     compute(range).map(Some)

@@ -67,6 +67,7 @@ fn a_flag_has_one_meaning() {
                 "Write the picture to a file",
                 "Folder for tables and plots",
                 "Folder for the results",
+                "Where the command writes its results",
             ],
             "sampler" => &["Sampler", "Sampler of the directions at each shading point"],
             "samplers" => &["Samplers", "Samplers of a study"],
@@ -77,7 +78,9 @@ fn a_flag_has_one_meaning() {
             ],
             // A requested error, and a file of errors.
             "error" => &["Requested standard error", "Write the squared error of each pixel"],
-            "save" => &["Save the exact sums", "Save the exact sums of all shards as one"],
+            "save" => {
+                &["Keep the work in a file", "Save the results of all given parts in one file"]
+            }
             "quick" => &["Use fewer points and realizations", "Use smaller inputs"],
             _ => &[],
         };

@@ -85,7 +85,11 @@ impl ShardFile {
         let mut records = 1;
         loop {
             match reader.next(path)? {
-                Found::Record(Record::End(count)) if count == records => return Ok(file),
+                Found::Record(Record::End(count))
+                    if count == records && reader.position == reader.length =>
+                {
+                    return Ok(file);
+                }
                 Found::Record(Record::End(_) | Record::Asked(_)) | Found::Damaged => {
                     return Err(wrong("a damaged one"));
                 }
@@ -121,6 +125,11 @@ impl ShardFile {
             valid = reader.position;
         }
         Some((read, valid))
+    }
+
+    /// Returns whether it has no results.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.results.is_empty()
     }
 
     /// Returns files of one run, each with its name in messages, as one.

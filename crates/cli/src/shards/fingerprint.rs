@@ -32,7 +32,9 @@ impl Fingerprint {
         let (samples, length) = if bytes <= WHOLE { (1, bytes) } else { (SAMPLES, SAMPLE) };
         let mut buffer = vec![0; 1 << 16];
         for i in 0..samples {
-            let start = (bytes - length) / (samples - 1).max(1) * i;
+            let gaps = (samples - 1).max(1);
+            // The last sample ends with the file.
+            let start = (bytes - length) / gaps * i + (bytes - length) % gaps * i / gaps;
             file.seek(SeekFrom::Start(start))?;
             let mut part = Read::by_ref(&mut file).take(length);
             loop {

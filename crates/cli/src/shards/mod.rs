@@ -17,6 +17,8 @@ mod part;
 mod tasks;
 mod unfinished;
 
+#[cfg(test)]
+pub(crate) use args::PartBody;
 pub(crate) use args::ShardArgs;
 pub(crate) use asked::Asked;
 pub(crate) use file::ShardFile;

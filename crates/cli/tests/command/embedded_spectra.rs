@@ -56,7 +56,7 @@ fn spectra_that_have_no_common_sums_are_rejected() {
         ("spectrum jittered -n 12 --pairs", [1, 2], "pair correlation has no parts"),
         ("spectrum jittered -n 12", [3, 2], "1 <= I <= K"),
         ("spectrum jittered -n 12", [0, 0], "1 <= I <= K"),
-        ("spectrum fibonacci -n 12", [1, 2], "a deterministic pattern has one set"),
+        ("spectrum fibonacci -n 12", [2, 2], "a deterministic pattern has one set"),
         ("quality fibonacci -n 12", [1, 1], "the command spectrum"),
     ] {
         let error = spectrum(words, Some(part)).unwrap_err();

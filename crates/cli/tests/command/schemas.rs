@@ -137,6 +137,7 @@ fn documents_fit_their_schema() {
     let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");
     let runs: Vec<(&str, String)> = [
+        ("--shard", "spectrum jittered -n 12 -m 4 --shard 1/2 --save e.shard"),
         ("accuracy", "accuracy weights --quick"),
         ("audit", "audit jittered -n 12 -m 30 --lmax 3 --alpha 0.1"),
         ("audit", "audit --points p.npy --lmax 3 --alpha 0.1"),
@@ -164,7 +165,6 @@ fn documents_fit_their_schema() {
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("list", "list --square"),
-        ("merge", "merge a.shard b.shard"),
         ("progressive", "progressive sobol,white-noise -n 20 --integrand cap:degrees=60 -m 20"),
         ("progressive", "progressive halton -n 4,8 --integrand ylm:l=1 -m 20 --no-rotate"),
         ("progressive", "progressive r2 --square -n 6 --integrand disk:radius=0.3 -m 20"),
@@ -181,6 +181,7 @@ fn documents_fit_their_schema() {
         ("spectrum --square", "spectrum jittered-square --square -n 16 --kmax 1 --exact"),
         ("spectrum --square", "merge d.shard c.shard"),
         ("spectrum", "spectrum jittered -n 12 -m 4"),
+        ("spectrum", "merge a.shard b.shard"),
         ("spectrum", "spectrum jittered -n 6 -m 1 --hemisphere"),
         ("spectrum", "spectrum --points weighted.csv --lmax 4"),
         ("spectrum", "spectrum poisson-disk -n 12 -m 4 --pairs --density cap:degrees=180"),
