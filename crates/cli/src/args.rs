@@ -108,7 +108,9 @@ impl Command {
     /// Returns the flags of a command whose work can be divided.
     pub(crate) fn sharding(&self) -> Option<&ShardArgs> {
         match self {
+            Self::Compare(args) => Some(&args.effort.sharding),
             Self::Spectrum(args) => Some(&args.sharding),
+            Self::Variance(args) => Some(&args.effort.sharding),
             _ => None,
         }
     }

@@ -75,47 +75,25 @@ impl<T> fmt::Debug for ClassMoments<T> {
 
 #[cfg(feature = "serde")]
 mod serialization {
-    use std::fmt;
     use std::marker::PhantomData;
 
-    use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-    use serde::ser::{Serialize, SerializeTuple, Serializer};
+    use serde::de::{Deserialize, Deserializer};
+    use serde::ser::{Serialize, Serializer};
     use sphvar_sh::TailClasses;
 
     use super::ClassMoments;
+    use crate::class_values::{deserialize_each, serialize_each};
 
     /// The moments of the classes in order, without their number.
     impl<T: TailClasses> Serialize for ClassMoments<T> {
         fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-            let mut tuple = serializer.serialize_tuple(T::COUNT)?;
-            for moments in &self.classes {
-                tuple.serialize_element(moments)?;
-            }
-            tuple.end()
+            serialize_each(self.classes.iter(), T::COUNT, serializer)
         }
     }
 
     impl<'de, T: TailClasses> Deserialize<'de> for ClassMoments<T> {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            deserializer.deserialize_tuple(T::COUNT, Classes(PhantomData))
-        }
-    }
-
-    struct Classes<T>(PhantomData<T>);
-
-    impl<'de, T: TailClasses> Visitor<'de> for Classes<T> {
-        type Value = ClassMoments<T>;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "the moments of {} classes", T::COUNT)
-        }
-
-        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-            let next = |class| {
-                let moments = seq.next_element()?;
-                moments.ok_or_else(|| A::Error::invalid_length(class, &self))
-            };
-            let classes = (0..T::COUNT).map(next).collect::<Result<_, _>>()?;
+            let classes = deserialize_each(T::COUNT, deserializer)?;
             Ok(ClassMoments { classes, values: PhantomData })
         }
     }

@@ -41,6 +41,8 @@ mod accumulate;
 mod accumulator;
 mod anisotropy;
 mod class_moments;
+#[cfg(feature = "serde")]
+mod class_values;
 mod coefficients;
 mod coincidence;
 mod error;

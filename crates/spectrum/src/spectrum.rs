@@ -12,6 +12,17 @@ use crate::{Accumulator, ClassMoments, Error, Moments, Realization, SpectralBand
 ///
 /// For weighted points, N is the effective number `(sum w)^2/sum w^2`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        try_from = "Fields<B>",
+        bound(
+            serialize = "B: serde::Serialize",
+            deserialize = "B: Bands + serde::Deserialize<'de>"
+        )
+    )
+)]
 pub struct Spectrum<B: Bands = Domain> {
     bands: B,
     n_points: usize,
@@ -19,8 +30,41 @@ pub struct Spectrum<B: Bands = Domain> {
     realizations: u64,
     power: Vec<f64>,
     stderr: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::class_values::serialize"))]
     tail: B::Tail,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::class_values::serialize"))]
     tail_stderr: B::Tail,
+}
+
+/// Deserialized fields of a [`Spectrum`] before validation.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(bound(deserialize = "B: Bands + serde::Deserialize<'de>"))]
+struct Fields<B: Bands> {
+    bands: B,
+    n_points: usize,
+    n_effective: f64,
+    realizations: u64,
+    power: Vec<f64>,
+    stderr: Vec<f64>,
+    #[serde(deserialize_with = "crate::class_values::deserialize")]
+    tail: B::Tail,
+    #[serde(deserialize_with = "crate::class_values::deserialize")]
+    tail_stderr: B::Tail,
+}
+
+#[cfg(feature = "serde")]
+impl<B: Bands> TryFrom<Fields<B>> for Spectrum<B> {
+    type Error = &'static str;
+
+    fn try_from(fields: Fields<B>) -> Result<Self, Self::Error> {
+        let Fields { bands, n_points, n_effective, realizations, power, stderr, tail, tail_stderr } =
+            fields;
+        if power.is_empty() || power.len() != stderr.len() {
+            return Err("a spectrum without power or with another number of errors");
+        }
+        Ok(Self { bands, n_points, n_effective, realizations, power, stderr, tail, tail_stderr })
+    }
 }
 
 impl<B: Bands> Spectrum<B> {

@@ -1,4 +1,5 @@
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -10,8 +11,7 @@ use sphvar_warps::Warp;
 
 use crate::estimates::evaluation_work;
 use crate::known_moments::KnownMoments;
-use crate::trials::Experiment;
-use crate::{Comparison, Error, Prediction, Predictor, Trials};
+use crate::{Comparison, Error, Experiment, Prediction, Predictor, Trials};
 
 /// Tessellations for a density of directions, [`AdaptedCcvt`], as an estimator of integrals with the
 /// weights 1/(N p): `ccvt:density="env:sky.exr",capacity=64`.
@@ -119,6 +119,25 @@ impl Predictor<'_> {
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<Comparison, Error> {
+        let mut source =
+            |range| self.adapted_estimates(pattern, strategy, n_points, range, progress);
+        let experiment = self.adapted_experiment(pattern, n_points);
+        experiment.measure(&mut source, Prediction::UNKNOWN, trials, progress)
+    }
+
+    /// Returns the estimates of the given trials of [`Self::measure_adapted`], in their order.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::measure_adapted`].
+    pub fn adapted_estimates(
+        &self,
+        pattern: &AdaptedPattern,
+        strategy: &Strategy,
+        n_points: usize,
+        trials: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
         let (domain, integrand) = (self.space(), self.integrand());
         PulledBack::check_support(integrand, domain, std::slice::from_ref(strategy))?;
         let warp: &Arc<dyn Warp> = &strategy.warp;
@@ -136,12 +155,16 @@ impl Predictor<'_> {
             });
             Ok(weighted.sum::<f64>() / n_points as f64)
         };
-        let mut source =
-            |range: std::ops::Range<u64>| range.into_par_iter().map(estimate).collect();
-        let experiment = Experiment {
+        trials.into_par_iter().map(estimate).collect()
+    }
+
+    /// Returns what is known of the trials of [`Self::measure_adapted`].
+    #[must_use]
+    pub fn adapted_experiment(&self, pattern: &AdaptedPattern, n_points: usize) -> Experiment {
+        Experiment {
             n_points,
             work: pattern.trial_work(n_points),
-            exact: integrand.exact(domain),
+            exact: self.integrand().exact(self.space()),
             rounding: self.estimate_rounding(),
             prediction_rounding: 0.0,
             known: KnownMoments {
@@ -152,7 +175,6 @@ impl Predictor<'_> {
                 one_point_kurtosis: None,
                 is_independent: false,
             },
-        };
-        experiment.measure(&mut source, Prediction::UNKNOWN, trials, progress)
+        }
     }
 }

@@ -97,15 +97,27 @@ impl<'a> SharedTrials<'a> {
         let known = self.known();
         if known < trials.end {
             let more = known..trials.end;
-            let eval = |dirs: &[DVec3], values: &mut [f64]| self.integrand.eval_into(dirs, values);
-            let area = self.ensemble.sampler().domain().area();
-            self.rows.extend(rows(area, self.ensemble, (width, &eval), more, self.progress)?);
+            let new = shared_estimates(self.ensemble, self.integrand, more, self.progress)?;
+            self.rows.extend(new);
         }
         let all = self.rows.chunks_exact(width).map(|row| row[component]);
         let [start, end] =
             [trials.start, trials.end].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
         Ok(all.take(end).skip(start).collect())
     }
+}
+
+/// Returns the estimates of all components of a vector integrand, trial by trial.
+pub(crate) fn shared_estimates(
+    ensemble: &Realizations<'_>,
+    integrand: &dyn VectorIntegrand,
+    trials: Range<u64>,
+    progress: &dyn Progress,
+) -> Result<Vec<f64>, Error> {
+    let width = integrand.components().max(1);
+    let eval = |dirs: &[DVec3], values: &mut [f64]| integrand.eval_into(dirs, values);
+    let area = ensemble.sampler().domain().area();
+    rows(area, ensemble, (width, &eval), trials, progress)
 }
 
 /// Returns the nominal work of one trial: generating a set and evaluating the integrand at its

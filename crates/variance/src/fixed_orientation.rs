@@ -1,14 +1,19 @@
 mod linear_form;
 mod within_strata;
 
+use std::ops::Range;
+
 use sphvar_samplers::{
     Domain, PointSet, Progress, Purpose, Realizations, Sampler, SetDistribution, Share, Streams,
 };
 use sphvar_spectrum::{StrataQuadrature, accumulate};
 
 use self::linear_form::{LinearForm, LinearFormAccumulator};
+use crate::estimates::estimates;
 use crate::predictor::realization_work;
-use crate::{Error, Measurement, PredictedPoint, Predictor, RelativeError, measure, trial_work};
+use crate::{
+    Error, Experiment, Measurement, PredictedPoint, Predictor, RelativeError, measure, trial_work,
+};
 
 /// The errors of integrating one function with a sampler that is not rotated.
 ///
@@ -42,6 +47,7 @@ pub struct FixedOrientation {
 /// rotation by 90 degrees about z, which HEALPix cells have, leaves only m - m' divisible by 4,
 /// and invariance under x -> -x only l - l' even.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UnrotatedPrediction {
     /// The variance.
     pub variance: f64,
@@ -57,6 +63,7 @@ pub struct UnrotatedPrediction {
 
 /// How the variance of an unrotated pattern is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum UnrotatedMethod {
     /// Independent points have the same variance in every orientation.
     Isotropic,
@@ -82,7 +89,34 @@ impl UnrotatedMethod {
     }
 }
 
+/// The part of a [`FixedOrientation`] that needs no trials.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct FixedOrientationPrediction {
+    rotated: PredictedPoint,
+    given: Option<f64>,
+    unrotated: Option<UnrotatedPrediction>,
+}
+
 impl FixedOrientation {
+    /// Returns the errors from a prediction, what is known of the trials, and their estimates.
+    #[must_use]
+    pub fn new(
+        prediction: FixedOrientationPrediction,
+        experiment: &Experiment,
+        estimates: Vec<f64>,
+    ) -> Self {
+        let FixedOrientationPrediction { rotated, given, unrotated } = prediction;
+        Self {
+            rotated,
+            exact: experiment.exact(),
+            given,
+            measurement: Measurement::new(estimates),
+            unrotated,
+            rounding: experiment.rounding(),
+        }
+    }
+
     /// Returns the variance that the trials measure, as predicted, and its standard error.
     #[must_use]
     pub fn predicted(&self) -> (f64, f64) {
@@ -185,33 +219,53 @@ impl Predictor<'_> {
         trials: u64,
         progress: &dyn Progress,
     ) -> Result<FixedOrientation, Error> {
+        let prediction = self.predict_fixed_orientation(sampler, progress)?;
+        let estimates = self.fixed_orientation_estimates(sampler, 0..trials, progress)?;
+        Ok(FixedOrientation::new(prediction, &self.experiment(sampler), estimates))
+    }
+
+    /// Returns the part of [`Self::fixed_orientation`] that needs no trials. Ticks [`Self::work`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::fixed_orientation`].
+    pub fn predict_fixed_orientation(
+        &mut self,
+        sampler: &dyn Sampler,
+        progress: &dyn Progress,
+    ) -> Result<FixedOrientationPrediction, Error> {
         let share = Share::new(progress, self.work(sampler)?);
         let rotated = self.predict(sampler, &share)?;
         share.finish()?;
-        let is_random = sampler.is_random();
-        let unrotated = if is_random {
-            Some(self.predict_unrotated(sampler, &rotated, progress)?)
+        if sampler.is_random() {
+            let unrotated = Some(self.predict_unrotated(sampler, &rotated, progress)?);
+            return Ok(FixedOrientationPrediction { rotated, unrotated, given: None });
+        }
+        let streams = Streams::new(self.seed(), Purpose::Pattern, sampler.stream_group());
+        let own = Realizations::unrotated(sampler, streams);
+        let given = measure(&own, self.integrand(), 1, &())?.estimates().first().copied();
+        Ok(FixedOrientationPrediction { rotated, unrotated: None, given })
+    }
+
+    /// Returns the estimates of the given trials of [`Self::fixed_orientation`], in their order. Ticks
+    /// [`trial_work`] for each.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`measure`].
+    pub fn fixed_orientation_estimates(
+        &self,
+        sampler: &dyn Sampler,
+        trials: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
+        let streams = Streams::new(self.seed(), Purpose::Trial, sampler.stream_group());
+        let sets = if sampler.is_random() {
+            Realizations::unrotated(sampler, streams)
         } else {
-            None
+            Realizations::rotated(sampler, streams)
         };
-        let integrand = self.integrand();
-        let streams = |purpose| Streams::new(self.seed(), purpose, sampler.stream_group());
-        let trial_streams = streams(Purpose::Trial);
-        let sets = if is_random {
-            Realizations::unrotated(sampler, trial_streams)
-        } else {
-            Realizations::rotated(sampler, trial_streams)
-        };
-        let measurement = measure(&sets, integrand, trials, progress)?;
-        let given = if is_random {
-            None
-        } else {
-            let own = Realizations::unrotated(sampler, streams(Purpose::Pattern));
-            measure(&own, integrand, 1, &())?.estimates().first().copied()
-        };
-        let exact = integrand.exact(self.domain());
-        let rounding = self.estimate_rounding();
-        Ok(FixedOrientation { rotated, exact, given, measurement, unrotated, rounding })
+        estimates(self.domain(), &sets, self.integrand(), trials, progress)
     }
 
     /// Returns the nominal work of [`Self::fixed_orientation`], for progress.

@@ -4,9 +4,11 @@ use std::sync::{Mutex, PoisonError};
 use sphvar_integrands::VectorIntegrand;
 use sphvar_samplers::{Progress, Purpose, Sampler, Stopped};
 
-use crate::estimates::SharedTrials;
+use crate::estimates::{SharedTrials, shared_estimates};
 use crate::predictor::predict_together;
-use crate::{Comparison, Error, Measurement, PredictedPoint, Prediction, Predictor, Trials};
+use crate::{
+    Comparison, Error, Experiment, Measurement, PredictedPoint, Prediction, Predictor, Trials,
+};
 
 /// Predicts and measures several variances for the same point sets: one for each component of a
 /// [`VectorIntegrand`], and mean squared errors of vectors of components.
@@ -121,6 +123,74 @@ impl<'a> JointTrials<'a> {
         predict_together(&mut predictors, budget, sampler, progress)
     }
 
+    /// Computes the energies that [`Self::predict`] needs for a sampler.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::prepare`].
+    pub fn prepare(&mut self, sampler: &dyn Sampler) -> Result<(), Error> {
+        self.predictors().try_for_each(|predictor| predictor.prepare(sampler))
+    }
+
+    /// Returns what is known of the trials with a sampler, for each variance
+    /// ([`PredictorOn::experiment`](crate::PredictorOn::experiment)).
+    #[must_use]
+    pub fn experiments(&self, sampler: &dyn Sampler) -> Vec<Experiment> {
+        self.parts.iter().map(|part| part.predictor.experiment(sampler)).collect()
+    }
+
+    /// Returns the number of components of an estimate.
+    #[must_use]
+    pub fn components(&self) -> usize {
+        self.integrand.0.components()
+    }
+
+    /// Returns the estimates of all components from the given trials of [`Self::measure`], trial by
+    /// trial. Ticks [`trial_work`](crate::trial_work) for each trial.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::measure`].
+    pub fn estimates(
+        &self,
+        sampler: &dyn Sampler,
+        trials: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
+        let Some(first) = self.parts.first() else { return Ok(Vec::new()) };
+        let sets = first.predictor.realizations(Purpose::Trial, sampler);
+        shared_estimates(&sets, self.integrand.0, trials, progress)
+    }
+
+    /// Returns the comparisons of predictions with the variances of estimates, those of all
+    /// components trial by trial ([`Self::estimates`]); `experiments` are those of
+    /// [`Self::experiments`]. For a fixed number of trials, it is the result of [`Self::measure`].
+    #[must_use]
+    pub fn comparisons(
+        &self,
+        experiments: &[Experiment],
+        predictions: &[Prediction],
+        estimates: &[f64],
+    ) -> Vec<Comparison> {
+        let width = self.components().max(1);
+        let of_component = |component: usize| {
+            let rows = estimates.chunks_exact(width);
+            Measurement::new(rows.filter_map(|row| row.get(component).copied()).collect())
+        };
+        let known = experiments.iter().zip(predictions);
+        let compared = self.parts.iter().zip(known).map(|(part, (experiment, prediction))| {
+            let measurement = match &part.weights {
+                None => of_component(part.components.start),
+                Some(weights) => {
+                    let components: Vec<_> = part.components.clone().map(of_component).collect();
+                    Measurement::of_vector(&components, weights)
+                }
+            };
+            experiment.comparison(*prediction, measurement)
+        });
+        compared.collect()
+    }
+
     /// Returns the comparisons of predictions with variances measured from the same trials. Each
     /// component has the trials of [`Predictor::measure`]; a vector has as many as the component
     /// with the most, to which its precision is at least as good.
@@ -135,6 +205,23 @@ impl<'a> JointTrials<'a> {
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<Vec<Comparison>, Error> {
+        self.measure_known(&self.experiments(sampler), predictions, sampler, trials, progress)
+    }
+
+    /// Returns [`Self::measure`] with what is known of the trials, [`Self::experiments`] at an earlier
+    /// time.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::measure`].
+    pub fn measure_known(
+        &self,
+        experiments: &[Experiment],
+        predictions: &[Prediction],
+        sampler: &dyn Sampler,
+        trials: Trials,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Comparison>, Error> {
         let Some(first) = self.parts.first() else { return Ok(Vec::new()) };
         let sets = first.predictor.realizations(Purpose::Trial, sampler);
         let mut shared = SharedTrials::new(&sets, self.integrand.0, progress);
@@ -143,7 +230,8 @@ impl<'a> JointTrials<'a> {
         let mut comparisons: Vec<Option<Comparison>> = vec![None; self.parts.len()];
         // Components come first, as they determine the number of trials.
         for is_vector in [false, true] {
-            for (i, (part, &prediction)) in self.parts.iter().zip(predictions).enumerate() {
+            let known = experiments.iter().zip(predictions);
+            for (i, (part, (experiment, &prediction))) in self.parts.iter().zip(known).enumerate() {
                 if part.weights.is_some() != is_vector {
                     continue;
                 }
@@ -152,14 +240,7 @@ impl<'a> JointTrials<'a> {
                     None => {
                         let component = part.components.start;
                         let mut source = |range| shared.estimates(component, range);
-                        let Part { predictor, .. } = part;
-                        predictor.measure_from(
-                            &mut source,
-                            prediction,
-                            sampler,
-                            trials,
-                            progress,
-                        )?
+                        experiment.measure(&mut source, prediction, trials, progress)?
                     }
                     Some(weights) => {
                         let all = 0..shared.known().max(trials.count);
@@ -167,7 +248,7 @@ impl<'a> JointTrials<'a> {
                         let components: Result<Vec<_>, Error> =
                             part.components.clone().map(of).collect();
                         let measurement = Measurement::of_vector(&components?, weights);
-                        part.predictor.comparison(prediction, measurement, sampler)
+                        experiment.comparison(prediction, measurement)
                     }
                 });
             }

@@ -10,6 +10,7 @@ use crate::{Measurement, RelativeError, rarest_seen};
 /// is hit by equally few points of any pattern with well separated points as by those of white
 /// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct KnownMoments {
     /// The number N of equally weighted points whose sum has the same kurtosis if single points hit
     /// the integrand: [`SumsOfWeights::equal_points`] of given sets, otherwise the number of points.

@@ -71,7 +71,9 @@ pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree
 pub use designs::best_design;
 pub use error::Error;
 pub use estimates::{measure, measure_components, trial_work};
-pub use fixed_orientation::{FixedOrientation, UnrotatedMethod, UnrotatedPrediction};
+pub use fixed_orientation::{
+    FixedOrientation, FixedOrientationPrediction, UnrotatedMethod, UnrotatedPrediction,
+};
 pub use integration::{
     Estimate, Integral, IntegrationOptions, StopReason, integrate, integrate_vector,
 };
@@ -97,11 +99,13 @@ pub use sphvar_sh::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};
 pub use student::student_quantile;
-pub use trials::Trials;
-pub use visible_half::{CutAxis, VisibleHalfMeasurement, measure_visible_half};
+pub use trials::{Experiment, Trials};
+pub use visible_half::{
+    CutAxis, VisibleHalfMeasurement, measure_visible_half, visible_half_estimates,
+};
 pub use warped::{
-    LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, WarpedPredictor, WarpedRealizations,
-    WarpedText, best_shares,
+    LargestSeen, WarpedComparison, WarpedEstimates, WarpedExperiment, WarpedPattern, WarpedPoint,
+    WarpedPredictor, WarpedRealizations, WarpedText, best_shares,
 };
 
 #[cfg(doctest)]

@@ -1,7 +1,9 @@
+use std::ops::Range;
+
 use glam::{DMat3, DQuat};
 use sphvar_samplers::{
     Ensemble, PointSet, Progress, Purpose, Realizations, RotationRealizations, RotationSampler,
-    RotationSet, Sampler, Share, Streams, rotate,
+    Sampler, Share, rotate,
 };
 
 use crate::estimates::{estimates, trial_work};
@@ -99,30 +101,77 @@ impl Predictor<'_> {
         let share = Share::new(progress, self.work(sampler)?);
         let predicted = self.predict(sampler, &share)?;
         share.finish()?;
+        let trials = 0..replicates.saturating_mul(rotations.n_points() as u64);
+        let estimates = self.rotation_estimates(sampler, rotations, trials, progress)?;
+        let exact = self.space().integral(self.integrand());
+        self.over_rotations_of(predicted, exact, (sampler, rotations), &estimates)
+    }
+
+    /// Returns the estimates of the given trials of [`Self::over_rotations`], in their order: those of
+    /// all rotations of the first replicate, then of the next. Ticks [`trial_work`] for each.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::over_rotations`].
+    pub fn rotation_estimates(
+        &self,
+        sampler: &dyn Sampler,
+        rotations: &dyn RotationSampler,
+        trials: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
         let group = sampler.stream_group();
-        let streams = |group| Streams::new(self.seed(), Purpose::Trial, group);
-        let sets = Realizations::unrotated(sampler, streams(group));
-        let families =
-            RotationRealizations::rotated(rotations, streams(group ^ rotations.stream_group()));
+        let sets = Realizations::unrotated(sampler, self.streams(Purpose::Trial, group));
+        let families = self.families(sampler, rotations);
         let (space, integrand) = (self.space(), self.integrand());
-        let mut trials: Vec<(RotationSet, Vec<f64>)> = Vec::new();
-        for index in 0..replicates {
-            let family = families.realize(index).map_err(sphvar_spectrum::Error::from)?;
-            let n = family.len() as u64;
-            let rotated =
-                RotatedSets { sets, rotations: &family.points, first: index.wrapping_mul(n) };
-            let values = estimates(space, &rotated, integrand, 0..n, progress)?;
-            trials.push((family, values));
+        let n = (rotations.n_points() as u64).max(1);
+        let (mut all, mut next) = (Vec::new(), trials.start);
+        while next < trials.end {
+            let replicate = next / n;
+            let first = replicate * n;
+            let end = trials.end.min(first.saturating_add(n));
+            let family = families.realize(replicate).map_err(sphvar_spectrum::Error::from)?;
+            let rotated = RotatedSets { sets, rotations: &family.points, first };
+            let own = next - first..end - first;
+            all.extend(estimates(space, &rotated, integrand, own, progress)?);
+            next = end;
         }
-        let exact = space.integral(integrand);
-        let all = || trials.iter().flat_map(|(_, values)| values);
-        let centre = exact.unwrap_or_else(|| Measurement::new(all().copied().collect()).mean());
-        let squared = |(family, values): &(RotationSet, Vec<f64>)| {
+        Ok(all)
+    }
+
+    /// Returns the result of [`Self::over_rotations`] from its prediction, the exact integral if it is
+    /// known, and the estimates of all trials ([`Self::rotation_estimates`]).
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of the rotations.
+    pub fn over_rotations_of(
+        &self,
+        predicted: PredictedPoint,
+        exact: Option<f64>,
+        (sampler, rotations): (&dyn Sampler, &dyn RotationSampler),
+        estimates: &[f64],
+    ) -> Result<OverRotations, Error> {
+        let families = self.families(sampler, rotations);
+        let n_rotations = rotations.n_points();
+        let centre = exact.unwrap_or_else(|| Measurement::new(estimates.to_vec()).mean());
+        let mut replicates = Vec::new();
+        for (index, values) in (0..).zip(estimates.chunks_exact(n_rotations.max(1))) {
+            let family = families.realize(index).map_err(sphvar_spectrum::Error::from)?;
             let squares: Vec<f64> = values.iter().map(|x| (x - centre).powi(2)).collect();
-            family.mean(&squares)
-        };
-        let replicates = trials.iter().map(squared).collect();
-        Ok(OverRotations { predicted, exact, n_rotations: rotations.n_points(), replicates })
+            replicates.push(family.mean(&squares));
+        }
+        Ok(OverRotations { predicted, exact, n_rotations, replicates })
+    }
+
+    /// Returns the sets of rotations of the replicates.
+    fn families<'r>(
+        &self,
+        sampler: &dyn Sampler,
+        rotations: &'r dyn RotationSampler,
+    ) -> RotationRealizations<'r> {
+        let group = sampler.stream_group() ^ rotations.stream_group();
+        RotationRealizations::rotated(rotations, self.streams(Purpose::Trial, group))
     }
 
     /// Returns the nominal work of [`Self::over_rotations`].

@@ -23,6 +23,14 @@ pub trait PredictedVariance {
 /// The predicted variance of a pattern at one number of points, with the spectrum that it follows
 /// from.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "B: serde::Serialize",
+        deserialize = "B: Bands + serde::Deserialize<'de>"
+    ))
+)]
 pub struct PredictedPoint<B: Bands = Domain> {
     /// The mean spectrum of the pattern.
     pub spectrum: Spectrum<B>,

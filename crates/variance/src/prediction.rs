@@ -7,6 +7,7 @@ use sphvar_integrands::{Energy, EnergyErrors};
 
 /// A variance predicted from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prediction {
     /// The predicted variance of the estimate of the integral.
     pub variance: f64,

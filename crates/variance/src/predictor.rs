@@ -206,6 +206,22 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         }
     }
 
+    /// Computes the integrand's energies that [`Self::predict`] needs for a sampler.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
+    pub fn prepare(&mut self, sampler: S::SamplerRef<'_>) -> Result<(), Error> {
+        let extent = self.extent(self.budget, sampler)?;
+        match Route::of::<S>(&self.options, self.budget, sampler, &extent) {
+            Route::Flat => {}
+            Route::Exact(_) | Route::All(_) | Route::Sampled => {
+                self.energies_to(&extent)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the maximum nominal work of a prediction.
     ///
     /// # Errors

@@ -2,6 +2,7 @@ use crate::student::{self, student_quantile};
 
 /// A variance at a number of points, measured or predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VariancePoint {
     /// The number of points N.
     pub n_points: f64,

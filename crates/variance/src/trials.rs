@@ -118,36 +118,30 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<Comparison, Error> {
-        let (space, integrand) = (self.space(), self.integrand());
-        let sets = self.realizations(Purpose::Trial, sampler);
-        let mut source = |trials| estimates(space, &sets, integrand, trials, progress);
-        self.measure_from(&mut source, prediction, sampler, trials, progress)
+        let mut source = |trials| self.estimates(sampler, trials, progress);
+        self.experiment(sampler).measure(&mut source, prediction, trials, progress)
     }
 
-    /// Returns [`Self::measure`] for estimates of the given trials from `source`.
-    pub(crate) fn measure_from(
+    /// Returns the estimates of the integral from the given trials of [`Self::measure`], in their
+    /// order. Ticks [`trial_work`](crate::trial_work) for each.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`measure`](crate::measure).
+    pub fn estimates(
         &self,
-        source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
-        prediction: Prediction,
         sampler: S::SamplerRef<'_>,
-        trials: Trials,
+        trials: Range<u64>,
         progress: &dyn Progress,
-    ) -> Result<Comparison, Error> {
-        self.experiment(sampler).measure(source, prediction, trials, progress)
+    ) -> Result<Vec<f64>, Error> {
+        let sets = self.realizations(Purpose::Trial, sampler);
+        estimates(self.space(), &sets, self.integrand(), trials, progress)
     }
 
-    /// Returns the comparison of a prediction with a measurement for the same sampler.
-    pub(crate) fn comparison(
-        &self,
-        prediction: Prediction,
-        measurement: Measurement,
-        sampler: S::SamplerRef<'_>,
-    ) -> Comparison {
-        self.experiment(sampler).comparison(prediction, measurement)
-    }
-
-    /// Returns what is known of the trials with a sampler.
-    pub(crate) fn experiment(&self, sampler: S::SamplerRef<'_>) -> Experiment {
+    /// Returns what is known of the trials with a sampler. Its roundings are those of the energies
+    /// that have been computed so far ([`Self::prepare`]).
+    #[must_use]
+    pub fn experiment(&self, sampler: S::SamplerRef<'_>) -> Experiment {
         Experiment {
             n_points: S::n_points(sampler),
             work: trial_work_of::<S>(sampler),
@@ -180,9 +174,32 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
     }
 }
 
-/// What is known of trials before they are made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Experiment {
+/// What is known of the trials of a pattern before they are made, as returned by
+/// [`PredictorOn::experiment`]: with it, the estimates of trials that were made anywhere become a
+/// [`Comparison`].
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_samplers::{Domain, Pattern};
+/// use sphvar_integrands::ClampedCosine;
+/// use sphvar_variance::{Measurement, PredictionBudget, Predictor, Trials};
+///
+/// let mut predictor =
+///     Predictor::new(&ClampedCosine, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
+/// let jittered = Pattern::Jittered.build(48, Domain::Sphere)?;
+/// let prediction = predictor.predict(&*jittered, &())?.prediction;
+/// let mut estimates = predictor.estimates(&*jittered, 0..60, &())?;
+/// estimates.extend(predictor.estimates(&*jittered, 60..100, &())?);
+/// let compared =
+///     predictor.experiment(&*jittered).comparison(prediction, Measurement::new(estimates));
+/// let in_one = predictor.measure(prediction, &*jittered, Trials::new(100), &())?;
+/// assert_eq!(compared.measurement, in_one.measurement);
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Experiment {
     pub(crate) n_points: usize,
     /// The nominal work of a trial.
     pub(crate) work: f64,
@@ -210,9 +227,25 @@ impl Experiment {
         }
     }
 
+    /// Returns the exact integral, if it is known.
+    #[must_use]
+    pub fn exact(&self) -> Option<f64> {
+        self.exact
+    }
+
+    /// Returns the variance that rounding of an estimate alone can produce.
+    #[must_use]
+    pub fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     /// Returns the comparison of a prediction with the variance of trials, whose estimates `source`
-    /// returns.
-    pub(crate) fn measure(
+    /// returns: those of consecutive ranges of trials, in their order.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of `source` and of [`measure_until`](crate::measure_until).
+    pub fn measure(
         &self,
         source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
         prediction: Prediction,
@@ -234,11 +267,8 @@ impl Experiment {
     }
 
     /// Returns the comparison of a prediction with a measurement.
-    pub(crate) fn comparison(
-        &self,
-        prediction: Prediction,
-        measurement: Measurement,
-    ) -> Comparison {
+    #[must_use]
+    pub fn comparison(&self, prediction: Prediction, measurement: Measurement) -> Comparison {
         Comparison {
             n_points: self.n_points,
             prediction,

@@ -1,4 +1,5 @@
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::{
@@ -53,6 +54,37 @@ pub fn measure_visible_half(
     trials: u64,
     progress: &dyn Progress,
 ) -> Result<VisibleHalfMeasurement, Error> {
+    let estimates = visible_half_estimates(ensemble, integrand, axis, 0..trials, progress)?;
+    Ok(VisibleHalfMeasurement::new(&estimates))
+}
+
+impl VisibleHalfMeasurement {
+    /// Returns the measurement from the numbers of each trial: the unbiased and the ratio estimate,
+    /// and n.
+    #[must_use]
+    pub fn new(rows: &[[f64; 3]]) -> Self {
+        let column = |i: usize| Measurement::new(rows.iter().map(|row| row[i]).collect());
+        Self { unbiased: column(0), ratio: column(1), n_visible: column(2) }
+    }
+}
+
+/// Returns the numbers of the given trials of [`measure_visible_half`], in their order: the unbiased
+/// and the ratio estimate, and n.
+///
+/// # Errors
+///
+/// Returns the errors of [`measure_visible_half`].
+///
+/// # Panics
+///
+/// Panics if the ensemble is not on the sphere.
+pub fn visible_half_estimates(
+    ensemble: &Realizations<'_>,
+    integrand: &dyn Integrand,
+    axis: CutAxis,
+    trials: Range<u64>,
+    progress: &dyn Progress,
+) -> Result<Vec<[f64; 3]>, Error> {
     assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "the ensemble must be on the sphere");
     let trial = |set: &mut PointSet, index| {
         ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
@@ -76,11 +108,7 @@ pub fn measure_visible_half(
         Ok([4.0 * PI / whole * sum, ratio, set.len() as f64])
     };
     // Collected in the order of the trials, so the result does not depend on threads.
-    let rows: Result<Vec<[f64; 3]>, Error> =
-        (0..trials).into_par_iter().map_init(PointSet::default, trial).collect();
-    let rows = rows?;
-    let column = |i: usize| Measurement::new(rows.iter().map(|row| row[i]).collect());
-    Ok(VisibleHalfMeasurement { unbiased: column(0), ratio: column(1), n_visible: column(2) })
+    trials.into_par_iter().map_init(PointSet::default, trial).collect()
 }
 
 /// Returns the sum of the weights of a set, which are 1 each if the set has none.

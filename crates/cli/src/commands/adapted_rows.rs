@@ -1,11 +1,13 @@
 //! Rows of tessellations for a density, which are measured only.
 
+use std::ops::Range;
+
 use sphvar_integrands::{Strategy, WarpExpression};
-use sphvar_samplers::Share;
-use sphvar_variance::JointTrials;
+use sphvar_samplers::{Progress as SamplerProgress, Share};
+use sphvar_variance::{JointTrials, Measurement, Prediction};
 
 use super::cases::{AdaptedCase, DirectionCase};
-use super::rows::{Effort, Parts, Plan, Row};
+use super::rows::{CaseExperiments, Effort, Parts, Plan, Row};
 use crate::error::CliError;
 use crate::integrands::{Integral, strategies_of};
 use crate::patterns::{DirectionSampler, UNPREDICTED};
@@ -51,11 +53,13 @@ impl AdaptedDensities {
         self.n_integrals as f64 * count * pattern.trial_work(*n_points)
     }
 
-    /// Returns the rows of a case, one for each integral, all from the same directions.
+    /// Returns the rows of a case, one for each integral, all from the same directions; none if this
+    /// run does not have all results.
     pub(super) fn rows(
         &self,
         plan: &Plan<'_>,
         case: &AdaptedCase,
+        experiments: Option<&CaseExperiments>,
         joint: &mut JointTrials<'_>,
         progress: &Progress,
     ) -> Result<Vec<Row>, CliError> {
@@ -63,13 +67,47 @@ impl AdaptedDensities {
         let trials = case.trials(&plan.effort);
         let own = self.densities.iter().find(|(warp, _)| *warp == pattern.density);
         let Some((_, strategy)) = own else { return Ok(Vec::new()) };
+        let experiment = |i: usize| match experiments {
+            Some(CaseExperiments::Single(each)) => each.get(i),
+            _ => None,
+        };
+        let work = pattern.trial_work(*n_points);
         let mut rows = Vec::new();
-        for (integral, predictor) in plan.integrals.in_rows().zip(joint.predictors()) {
-            let share = Share::new(progress, trials.count as f64 * pattern.trial_work(*n_points));
-            let comparison = predictor
-                .measure_adapted(pattern, strategy, *n_points, trials, &share)
-                .map_err(|e| CliError::Failed(format!("{pattern}: {e}")))?;
-            share.finish().map_err(CliError::failed)?;
+        for (i, (integral, predictor)) in
+            plan.integrals.in_rows().zip(joint.predictors()).enumerate()
+        {
+            let estimates = |range, progress: &dyn SamplerProgress| {
+                predictor.adapted_estimates(pattern, strategy, *n_points, range, progress)
+            };
+            let failed = |e| CliError::Failed(format!("{pattern}: {e}"));
+            let name = format!("{} of {}", integral.name, case.name());
+            let compute = |range: Range<u64>| {
+                let share = Share::new(progress, (range.end - range.start) as f64 * work);
+                let estimates = estimates(range, &share).map_err(failed)?;
+                share.finish().map_err(CliError::failed)?;
+                Ok(estimates)
+            };
+            let size = (trials.count, work);
+            let known = match trials.until {
+                Some(_) => None,
+                None => plan.effort.estimates(&name, size, progress, Vec::extend, compute)?,
+            };
+            let Some(experiment) = experiment(i) else { continue };
+            let comparison = match (known, trials.until) {
+                (Some(known), _) => {
+                    experiment.comparison(Prediction::UNKNOWN, Measurement::new(known))
+                }
+                (None, Some(_)) => {
+                    let share = Share::new(progress, trials.count as f64 * work);
+                    let mut source = |range| estimates(range, &share);
+                    let measured =
+                        experiment.measure(&mut source, Prediction::UNKNOWN, trials, &share);
+                    let comparison = measured.map_err(failed)?;
+                    share.finish().map_err(CliError::failed)?;
+                    comparison
+                }
+                (None, None) => continue,
+            };
             rows.push(Row {
                 integrand: integral.name,
                 integral: integral.label,

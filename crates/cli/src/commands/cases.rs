@@ -63,6 +63,11 @@ impl<P: PredictedPattern> Case<P> {
     pub(super) fn n_points(&self) -> usize {
         P::Space::n_points(self.sampler())
     }
+
+    /// Returns the pattern with its parameters and its number of points, which no other case has.
+    pub(super) fn name(&self) -> String {
+        format!("{} N = {}", self.pattern, self.n_points())
+    }
 }
 
 /// One warped pattern at one number of points.
@@ -84,6 +89,11 @@ impl WarpedCase {
     /// Returns the trials: the user's number or the default.
     pub(super) fn trials(&self, effort: &Effort<'_>) -> Trials {
         effort.trials_or(|| self.pattern.default_trials(self.n_points))
+    }
+
+    /// Returns the pattern with its parameters and its number of points, which no other case has.
+    pub(super) fn name(&self) -> String {
+        format!("{} N = {}", self.pattern, self.n_points)
     }
 }
 
@@ -111,6 +121,11 @@ impl AdaptedCase {
     /// Returns the trials: the user's number or the default.
     pub(super) fn trials(&self, effort: &Effort<'_>) -> Trials {
         effort.trials_or(|| self.pattern.default_trials(self.n_points))
+    }
+
+    /// Returns the pattern with its parameters and its number of points, which no other case has.
+    pub(super) fn name(&self) -> String {
+        format!("{} N = {}", self.pattern, self.n_points)
     }
 }
 

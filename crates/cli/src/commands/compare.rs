@@ -40,6 +40,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare --hemisphere --integrand cosine -o cosine
   sphvar compare jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -o disk
   sphvar compare fibonacci,sobol:warp=cosine --hemisphere -n 64,256 --integrand phong:n=5 -o density
+  sphvar compare poisson-disk,jittered -n 1024 -m 20000 --shard 1/16 --save first.shard
 
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
@@ -48,7 +49,9 @@ With env:FILE,channel=rgb or --project 2 (see variance) the table has rows for a
 crossovers and plots are those of luminance, or of the irradiance. With --square it compares patterns of the unit square, by \
 default on the indicator of a disk; spectra are radial means. Patterns with warp= (see variance), which sample a density, \
 have no angular spectrum; they are not in the plot of spectra. Running the same command again replaces its own files; the results of another command are overwritten only \
-with --force. Two runs cannot write to one folder at the same time.";
+with --force. Two runs cannot write to one folder at the same time.
+
+--shard I/K --save FILE computes one of K parts of the work and leaves the folder alone; merge writes it.";
 
 /// The patterns that the thesis compares.
 const SAMPLERS: &str = "white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step";
@@ -125,7 +128,7 @@ fn run_integrals(
     let plan = args.effort.plan(integrals, global, true)?;
     rows::check(&plan, &cases)?;
     let output = Output::open(args, global)?;
-    let (rows, energy) = rows::run(&plan, &cases)?;
+    let Some((rows, energy)) = rows::run(&plan, &cases)? else { return Ok(()) };
     let subject = Subject { text: plan.subject(), integrand: &plan.integrand.name };
     output.write(&rows, &energy, &subject)
 }
@@ -137,7 +140,9 @@ fn run_square(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, true)?;
     let output = Output::open(args, global)?;
-    let (rows, energy) = square_rows::run(&integrand, &effort, &cases)?;
+    let Some((rows, energy)) = square_rows::run(&integrand, &effort, &cases)? else {
+        return Ok(());
+    };
     let subject = Subject { text: integrand.subject(), integrand: &integrand.name };
     output.write(&rows, &energy, &subject)
 }
@@ -153,7 +158,7 @@ struct Output<'a> {
     args: &'a CompareArgs,
     global: &'a Global,
     provenance: Provenance,
-    /// The folder; inside another program, results are not written.
+    /// The folder; inside another program, and by a part of a run, results are not written.
     folder: Option<ResultFolder>,
 }
 
@@ -161,7 +166,7 @@ impl<'a> Output<'a> {
     /// Reserves the folder before the work starts.
     fn open(args: &'a CompareArgs, global: &'a Global) -> Result<Self, CliError> {
         let provenance = Provenance::new(&global.session, global.seed);
-        let folder = match global.session.is_embedded() {
+        let folder = match global.session.is_embedded() || global.session.tasks().is_part() {
             true => None,
             false => Some(ResultFolder::open(&args.out, &provenance, args.force)?),
         };

@@ -11,6 +11,7 @@ use crate::flags::{
 };
 use crate::global::Global;
 use crate::integrands::Integrals;
+use crate::shards::ShardArgs;
 use crate::share::parse_share;
 use crate::transforms::TransformArgs;
 
@@ -43,6 +44,8 @@ pub(crate) struct EffortArgs {
     pub(crate) square: SquareArgs,
     #[command(flatten)]
     pub(crate) kmax: KmaxArgs,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 /// Parses a number of trials, which must suffice for the error of a variance.
@@ -99,6 +102,13 @@ impl EffortArgs {
         global: &'a Global,
         whole_spectra: bool,
     ) -> Result<Effort<'a>, CliError> {
+        if self.until_rel.is_some() && self.sharding.save.is_some() {
+            return Err(CliError::Usage(
+                "--until-rel does not apply with --save or --shard: it stops by itself, when the results so far are \
+                 precise enough, so its trials cannot be divided; give their number with -m"
+                    .to_owned(),
+            ));
+        }
         let (method, epsilon) = self.transform.checked()?;
         let realizations = self.spectrum_realizations;
         let until = |relative| Precision { relative, max_trials: self.max_realizations };

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern};
-use sphvar_variance::FixedOrientation;
+use sphvar_variance::{FixedOrientation, trial_work};
 
 use super::cases::Case;
 use super::rows::{self, Plan};
@@ -107,34 +107,55 @@ struct Row<'a> {
     record: FixedOrientationRecord,
 }
 
-/// Runs all cases and returns the rows in their order, with the chart.
+/// Runs all cases and returns the rows in their order, with the chart; `None` if this run keeps only
+/// a part of the work.
 pub(super) fn run(
     plan: &Plan<'_>,
     cases: &[&Case],
-) -> Result<(FixedOrientationBody, Chart), CliError> {
+) -> Result<Option<(FixedOrientationBody, Chart)>, CliError> {
     rows::check_uniform(plan, cases)?;
     let on_energies =
         |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
+    let effort = &plan.effort;
     let mut work = 0.0;
     for case in cases {
-        let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
-        work += predictor.fixed_orientation_work(case.sampler(), trials)?;
+        let sampler = case.sampler();
+        work += effort.trials_of::<Domain>(sampler).work(sampler);
+        if effort.does_all() {
+            work += predictor.work(sampler)?;
+        }
     }
-    let progress = Progress::new(work, plan.effort.session);
+    let progress = Progress::new(work, effort.session);
+    let known = effort.known(|| rows::known_of(&mut predictor, effort, cases))?;
     let mut rows = Vec::new();
-    for case in cases {
-        progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
-        let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
-        let fixed = predictor.fixed_orientation(case.sampler(), trials, &progress)?;
-        let record = FixedOrientationRecord::new(&fixed, case, plan);
-        rows.push(Row { pattern: &case.pattern, record });
+    for (i, case) in cases.iter().enumerate() {
+        let (name, sampler) = (case.name(), case.sampler());
+        progress.stage(&name);
+        let prediction = effort.predicted(&name, || {
+            effort.expect(&progress, predictor.work(sampler)?);
+            Ok(predictor.predict_fixed_orientation(sampler, &progress)?)
+        })?;
+        let size = (effort.trials_of::<Domain>(sampler).count, trial_work(sampler));
+        let compute = |range| Ok(predictor.fixed_orientation_estimates(sampler, range, &progress)?);
+        let estimates = effort.estimates(&name, size, &progress, Vec::extend, compute)?;
+        let experiment = known.as_ref().and_then(|known| known.experiments.get(i));
+        if let (Some(prediction), Some(estimates), Some(experiment)) =
+            (prediction, estimates, experiment)
+        {
+            let fixed = FixedOrientation::new(prediction, experiment, estimates);
+            let record = FixedOrientationRecord::new(&fixed, case, plan);
+            rows.push(Row { pattern: &case.pattern, record });
+        }
     }
     drop(progress);
+    if !effort.has_rows(&rows)? {
+        return Ok(None);
+    }
     let chart = chart(&rows, plan);
     let rows = rows.into_iter().map(|row| row.record).collect();
-    Ok((FixedOrientationBody { rows }, chart))
+    Ok(Some((FixedOrientationBody { rows }, chart)))
 }
 
 impl FixedOrientationRecord {

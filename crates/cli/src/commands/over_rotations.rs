@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{Domain, RotationGroup, RotationPattern};
-use sphvar_variance::OverRotations;
+use sphvar_variance::{OverRotations, trial_work};
 
 use super::cases::Case;
 use super::rows::{self, Plan};
@@ -64,36 +64,56 @@ pub(crate) struct OverRotationsRecord {
     z: f64,
 }
 
-/// Runs all cases and returns the rows in their order.
+/// Runs all cases and returns the rows in their order; `None` if this run keeps only a part of the
+/// work.
 pub(super) fn run(
     text: &str,
     plan: &Plan<'_>,
     cases: &[&Case],
-) -> Result<OverRotationsBody, CliError> {
+) -> Result<Option<OverRotationsBody>, CliError> {
     rows::check_uniform(plan, cases)?;
     let pattern: RotationPattern = patterns::parse_pattern(text, plan.effort.session)?;
     let on_energies =
         |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
+    let effort = &plan.effort;
     let mut samplers = Vec::new();
     let mut work = 0.0;
     for case in cases {
-        let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
+        let sampler = case.sampler();
+        let trials = effort.trials_of::<Domain>(sampler).count;
         let count = usize::try_from(trials.div_ceil(REPLICATES)).unwrap_or(usize::MAX);
         let rotations = patterns::build(&pattern, count, RotationGroup, true)?;
-        work += predictor.over_rotations_work(case.sampler(), rotations.n_points(), REPLICATES)?;
-        samplers.push(rotations);
+        let trials = REPLICATES.saturating_mul(rotations.n_points() as u64);
+        work += trials as f64 * trial_work(sampler);
+        if effort.does_all() {
+            work += predictor.work(sampler)?;
+        }
+        samplers.push((rotations, trials));
     }
-    let progress = Progress::new(work, plan.effort.session);
+    let progress = Progress::new(work, effort.session);
     let mut rows = Vec::new();
-    for (case, rotations) in cases.iter().zip(&samplers) {
-        progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
-        let measured =
-            predictor.over_rotations(case.sampler(), &**rotations, REPLICATES, &progress)?;
-        rows.push(OverRotationsRecord::new(&measured, &pattern, case, plan));
+    for (case, (rotations, trials)) in cases.iter().zip(&samplers) {
+        let (name, sampler) = (case.name(), case.sampler());
+        progress.stage(&name);
+        let predicted = effort.predicted(&name, || {
+            let share = effort.share(&progress, predictor.work(sampler)?);
+            let point = predictor.predict(sampler, &share)?;
+            share.finish().map_err(CliError::failed)?;
+            Ok((point, plan.integrand.function.exact(plan.domain)))
+        })?;
+        let size = (*trials, trial_work(sampler));
+        let compute =
+            |range| Ok(predictor.rotation_estimates(sampler, &**rotations, range, &progress)?);
+        let estimates = effort.estimates(&name, size, &progress, Vec::extend, compute)?;
+        if let (Some((point, exact)), Some(estimates)) = (predicted, estimates) {
+            let patterns = (sampler, &**rotations);
+            let measured = predictor.over_rotations_of(point, exact, patterns, &estimates)?;
+            rows.push(OverRotationsRecord::new(&measured, &pattern, case, plan));
+        }
     }
-    Ok(OverRotationsBody { rows })
+    Ok(effort.has_rows(&rows)?.then_some(OverRotationsBody { rows }))
 }
 
 impl OverRotationsRecord {

@@ -1,18 +1,22 @@
 //! Rows of predicted and measured variance, for `variance` and `compare`.
 
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use sphvar_integrands::{Energy, Integrand};
-use sphvar_samplers::{Domain, Pattern, Sampler, Share};
-use sphvar_spectrum::{Method, Resolution, Spectrum};
+use sphvar_samplers::{Domain, Pattern, Progress as _, Sampler, Share};
+use sphvar_spectrum::{Method, Resolution};
 use sphvar_variance::{
-    Comparison, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint, Prediction,
-    PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
-    check_degree as check_settled, prediction_degree, settled_degree,
+    Comparison, Experiment, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
+    Prediction, PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
+    WarpedExperiment, check_degree as check_settled, prediction_degree, settled_degree, trial_work,
 };
 
 use super::adapted_rows::AdaptedDensities;
-use super::cases::{Case, DirectionCase};
+use super::cases::{AdaptedCase, Case, DirectionCase};
 use super::power_chart::{BandTexts, ShownBands, largest_radius};
-use super::warped_rows::WarpedIntegrals;
+use super::warped_rows::{WarpedIntegrals, WarpedPredictors};
 use crate::error::CliError;
 use crate::flags::missing_count;
 use crate::integrands::{Integral, Integrals, NamedIntegrand, check_domain};
@@ -20,6 +24,7 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns::{BandsOf, PredictedPattern, SamplerName, n_effective};
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::shards::Divided;
 
 /// The settings of a run for all patterns and numbers of points.
 pub(super) struct Plan<'a> {
@@ -98,17 +103,52 @@ impl Row {
     }
 }
 
+/// What rows contain of a prediction.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Predicted {
+    /// `None` if nothing was predicted.
+    prediction: Option<Prediction>,
+    /// The largest degree or frequency of the spectrum.
+    lmax: usize,
+    realizations: u64,
+    n_effective: Option<f64>,
+    /// Radius, power and its standard error, if the spectrum is shown.
+    power: Vec<(usize, f64, f64)>,
+}
+
+impl Predicted {
+    /// Returns the predicted variance, of which nothing is known if it was not predicted.
+    pub(super) fn prediction(&self) -> Prediction {
+        self.prediction.unwrap_or(Prediction::UNKNOWN)
+    }
+}
+
 impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
-    /// Returns the results for the only integral; without a spectrum, if none was computed.
+    /// Returns what a row contains of a prediction for this case, with the spectrum if it is shown.
+    pub(super) fn predicted(
+        &self,
+        point: &PredictedPoint<BandsOf<P>>,
+        is_shown: bool,
+    ) -> Predicted {
+        let PredictedPoint { spectrum, prediction } = point;
+        Predicted {
+            prediction: Some(*prediction),
+            lmax: largest_radius(spectrum),
+            realizations: spectrum.realizations(),
+            n_effective: n_effective::<P>(self.sampler(), spectrum),
+            power: if is_shown { <BandsOf<P>>::power_by_radius(spectrum) } else { Vec::new() },
+        }
+    }
+
+    /// Returns the results for the only integral.
     pub(super) fn row(
         &self,
         integrand: String,
         predictor: &PredictorOn<'_, P::Space>,
-        spectrum: Option<&Spectrum<BandsOf<P>>>,
+        predicted: Predicted,
         comparison: Comparison,
-        is_shown: bool,
     ) -> Row {
-        let shown = spectrum.filter(|_| is_shown);
+        let Predicted { lmax, realizations, n_effective, power, .. } = predicted;
         Row {
             integrand,
             integral: None,
@@ -116,11 +156,11 @@ impl<P: PredictedPattern<Bands: ShownBands>> Case<P> {
             domain: predictor.space().to_string(),
             sampler: SamplerName::of(&self.pattern),
             requested: self.requested,
-            lmax: spectrum.map_or(0, largest_radius),
-            realizations: spectrum.map_or(0, Spectrum::realizations),
-            power: shown.map_or_else(Vec::new, <BandsOf<P>>::power_by_radius),
+            lmax,
+            realizations,
+            power,
             white_variance: predictor.white_variance(comparison.n_points),
-            n_effective: spectrum.and_then(|s| n_effective::<P>(self.sampler(), s)),
+            n_effective,
             comparison,
             largest: None,
             is_unpredictable: false,
@@ -135,16 +175,113 @@ pub(super) struct ShownEnergy {
     pub(super) texts: &'static BandTexts,
 }
 
-impl ShownEnergy {
-    pub(super) fn new<B: ShownBands>(energy: &Energy<B>) -> Self {
-        Self { by_radius: B::energy_by_radius(energy), total: energy.total(), texts: B::TEXTS }
+/// What follows from the energies of the integrands. All energies of a run are computed in one place,
+/// because their roundings depend on the highest degree so far.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Known<E> {
+    /// What is known of the trials of each case.
+    pub(super) experiments: Vec<E>,
+    by_radius: Vec<f64>,
+    total: f64,
+}
+
+impl<E> Known<E> {
+    /// Returns what is known of the trials, with the energies of the main integrand.
+    pub(super) fn new<B: ShownBands>(experiments: Vec<E>, energy: &Energy<B>) -> Self {
+        Self { experiments, by_radius: B::energy_by_radius(energy), total: energy.total() }
     }
+
+    /// Returns the energies for charts.
+    pub(super) fn shown<B: ShownBands>(self) -> ShownEnergy {
+        ShownEnergy { by_radius: self.by_radius, total: self.total, texts: B::TEXTS }
+    }
+}
+
+/// What is known of the trials of a case, for each integral.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) enum CaseExperiments {
+    Single(Vec<Experiment>),
+    Warped(Vec<WarpedExperiment>),
 }
 
 impl Effort<'_> {
     /// Returns the trials of a sampler: the user's number or the default.
     pub(super) fn trials_of<S: IntegrationSpace>(&self, sampler: S::SamplerRef<'_>) -> Trials {
         self.trials_or(|| Trials::default_of::<S>(sampler))
+    }
+
+    /// Returns whether this run does all of the work, neither a part nor a merge of parts.
+    pub(super) fn does_all(&self) -> bool {
+        !self.session.tasks().is_part() && !self.session.tasks().is_merge()
+    }
+
+    /// Returns what follows from energies; `None` if another part has it.
+    pub(super) fn known<E: Serialize + DeserializeOwned>(
+        &self,
+        mut compute: impl FnMut() -> Result<Known<E>, CliError>,
+    ) -> Result<Option<Known<E>>, CliError> {
+        let tasks = self.session.tasks();
+        match tasks.once("energies", &mut compute)? {
+            // The part that has them is missing from a partial merge.
+            None if tasks.is_merge() => compute().map(Some),
+            known => Ok(known),
+        }
+    }
+
+    /// Returns the prediction of a case; `None` if another part has it.
+    pub(super) fn predicted<T: Serialize + DeserializeOwned>(
+        &self,
+        case: &str,
+        compute: impl FnOnce() -> Result<T, CliError>,
+    ) -> Result<Option<T>, CliError> {
+        self.session.tasks().once(&format!("prediction of {case}"), compute)
+    }
+
+    /// Announces the work of a prediction, which the expected work of a part does not contain.
+    pub(super) fn expect(&self, progress: &Progress, work: f64) {
+        if !self.does_all() {
+            progress.expect(work);
+        }
+    }
+
+    /// Returns the share of the progress that predictions of some work have.
+    pub(super) fn share<'p>(&self, progress: &'p Progress, work: f64) -> Share<'p> {
+        self.expect(progress, work);
+        Share::new(progress, work)
+    }
+
+    /// Returns whether the run has results to report: not if it keeps only a part of the work.
+    ///
+    /// # Errors
+    ///
+    /// If the parts of a partial merge have no complete row.
+    pub(super) fn has_rows<T>(&self, rows: &[T]) -> Result<bool, CliError> {
+        if self.session.tasks().is_part() {
+            return Ok(false);
+        }
+        if rows.is_empty() {
+            let message = "the given parts have no row with its prediction and some of its trials; add other parts";
+            return Err(CliError::File(message.to_owned()));
+        }
+        Ok(true)
+    }
+
+    /// Returns the estimates of a number of trials of a case, each of nominal work `work`; `None` if
+    /// this run keeps only a part of them. `append` adds those of the trials that follow.
+    pub(super) fn estimates<T: Serialize + DeserializeOwned>(
+        &self,
+        case: &str,
+        (count, work): (u64, f64),
+        progress: &Progress,
+        append: impl Fn(&mut T, T),
+        compute: impl FnMut(Range<u64>) -> Result<T, CliError>,
+    ) -> Result<Option<T>, CliError> {
+        let task = Divided { name: &format!("trials of {case}"), count, work };
+        let append = |all: &mut T, next: T| {
+            append(all, next);
+            Ok(())
+        };
+        self.session.tasks().divided(task, progress, append, compute)
     }
 
     /// Returns whether variances are predicted.
@@ -187,20 +324,21 @@ impl Effort<'_> {
 }
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases, those of
-/// all integrals for each, with the energies of the last integral.
+/// all integrals for each, with the energies of the last integral; `None` if this run keeps only a
+/// part of the work.
 pub(super) fn run(
     plan: &Plan<'_>,
     cases: &[DirectionCase],
-) -> Result<(Vec<Row>, ShownEnergy), CliError> {
+) -> Result<Option<(Vec<Row>, ShownEnergy)>, CliError> {
     check(plan, cases)?;
+    let effort = &plan.effort;
     let warped = cases.iter().filter_map(DirectionCase::warped).map(|case| &case.pattern);
-    let pulled_back =
-        WarpedIntegrals::new(plan.integrals, plan.domain, plan.effort.session, warped)?;
-    let mut warped = pulled_back.predictors(&plan.effort)?;
+    let pulled_back = WarpedIntegrals::new(plan.integrals, plan.domain, effort.session, warped)?;
+    let mut warped = pulled_back.predictors(effort)?;
     let adapted = AdaptedDensities::new(plan, cases)?;
     let announce = |integral: &'_ Integral<'_>, lmax: usize| {
         if integral.is_announced() {
-            integral.integrand.announce_energies(plan.domain, lmax, plan.effort.session);
+            integral.integrand.announce_energies(plan.domain, lmax, effort.session);
         }
     };
     let integrals = plan.integrals.all().iter();
@@ -215,37 +353,83 @@ pub(super) fn run(
     })?;
     let mut work = 0.0;
     for case in cases {
+        if effort.does_all() {
+            work += predicted_work(case, effort, &mut joint, &mut warped)?;
+        }
         work += match case {
             DirectionCase::Uniform(case) => {
-                let sampler = case.sampler();
-                let predicted = if plan.effort.is_predicted() { joint.work(sampler)? } else { 0.0 };
-                predicted + plan.effort.trials_of::<Domain>(sampler).work(sampler)
+                effort.trials_of::<Domain>(case.sampler()).work(case.sampler())
             }
-            DirectionCase::Warped(case) => warped.work(case, &plan.effort)?,
-            DirectionCase::Adapted(case) => adapted.work(case, &plan.effort),
+            DirectionCase::Warped(case) => pulled_back.trials_work(case, effort),
+            DirectionCase::Adapted(case) => adapted.work(case, effort),
         };
     }
-    let progress = Progress::new(work, plan.effort.session);
+    let progress = Progress::new(work, effort.session);
+    let known = effort.known(|| plan.known(cases, &mut joint, &mut warped))?;
     let mut rows = Vec::new();
-    for case in cases {
+    for (i, case) in cases.iter().enumerate() {
         progress.stage(&case.stage());
+        let experiments = known.as_ref().and_then(|known| known.experiments.get(i));
         rows.extend(match case {
-            DirectionCase::Uniform(case) => plan.rows(&mut joint, case, &progress)?,
+            DirectionCase::Uniform(case) => plan.rows(&mut joint, case, experiments, &progress)?,
             DirectionCase::Warped(case) => {
                 let white: Vec<f64> =
                     joint.predictors().map(|p| p.white_variance(case.n_points)).collect();
-                warped.rows(plan, case, &white, &progress)?
+                warped.rows(plan, case, experiments, &white, &progress)?
             }
-            DirectionCase::Adapted(case) => adapted.rows(plan, case, &mut joint, &progress)?,
+            DirectionCase::Adapted(case) => {
+                adapted.rows(plan, case, experiments, &mut joint, &progress)?
+            }
         });
     }
-    let mut predictors: Vec<_> = joint.predictors().collect();
-    let Some(predictor) = predictors.pop() else { return Err(missing_count()) };
-    if plan.effort.whole_spectra {
-        let max_points = cases.iter().map(DirectionCase::n_points).max().unwrap_or(0);
-        predictor.energy_to(Resolution::natural_degree(max_points))?;
+    finished(rows, known.map(Known::shown::<Domain>), effort)
+}
+
+/// Returns the results of a run; `None` if it keeps only a part of the work.
+pub(super) fn finished(
+    rows: Vec<Row>,
+    energy: Option<ShownEnergy>,
+    effort: &Effort<'_>,
+) -> Result<Option<(Vec<Row>, ShownEnergy)>, CliError> {
+    let has_rows = effort.has_rows(&rows)?;
+    Ok(energy.filter(|_| has_rows).map(|energy| (rows, energy)))
+}
+
+/// Returns what follows from the energies of the only integrand of cases on the sphere or the square,
+/// whose variances are predicted.
+pub(super) fn known_of<P: PredictedPattern<Bands: ShownBands>>(
+    predictor: &mut PredictorOn<'_, P::Space>,
+    effort: &Effort<'_>,
+    cases: &[&Case<P>],
+) -> Result<Known<Experiment>, CliError> {
+    if effort.is_predicted() && !effort.does_all() {
+        // These computed the first energies of a run that does all of the work.
+        for case in cases {
+            predictor.work(case.sampler())?;
+        }
     }
-    Ok((rows, ShownEnergy::new(predictor.energy())))
+    let mut experiments = Vec::new();
+    for case in cases {
+        if effort.is_predicted() {
+            predictor.prepare(case.sampler())?;
+        }
+        experiments.push(predictor.experiment(case.sampler()));
+    }
+    Ok(Known::new(experiments, predictor.energy()))
+}
+
+/// Returns the maximum nominal work of the predictions of a case.
+fn predicted_work(
+    case: &DirectionCase,
+    effort: &Effort<'_>,
+    joint: &mut JointTrials<'_>,
+    warped: &mut WarpedPredictors<'_>,
+) -> Result<f64, CliError> {
+    match case {
+        DirectionCase::Uniform(case) if effort.is_predicted() => Ok(joint.work(case.sampler())?),
+        DirectionCase::Warped(case) if effort.is_predicted() => warped.work(case),
+        _ => Ok(0.0),
+    }
 }
 
 /// Rejects cases that cannot be run.
@@ -328,44 +512,102 @@ impl Plan<'_> {
         chosen.unwrap_or_else(|| budget.realizations(sampler, lmax))
     }
 
-    /// Returns the rows of a case, one for each integral.
+    /// Returns what follows from the energies of the integrands.
+    fn known(
+        &self,
+        cases: &[DirectionCase],
+        joint: &mut JointTrials<'_>,
+        warped: &mut WarpedPredictors<'_>,
+    ) -> Result<Known<CaseExperiments>, CliError> {
+        let effort = &self.effort;
+        if !effort.does_all() {
+            // These computed the first energies of a run that does all of the work.
+            for case in cases {
+                predicted_work(case, effort, joint, warped)?;
+            }
+        }
+        let mut experiments = Vec::new();
+        for case in cases {
+            experiments.push(match case {
+                DirectionCase::Uniform(case) => {
+                    if effort.is_predicted() {
+                        joint.prepare(case.sampler())?;
+                    }
+                    CaseExperiments::Single(joint.experiments(case.sampler()))
+                }
+                DirectionCase::Warped(case) => {
+                    CaseExperiments::Warped(warped.experiments(case, effort)?)
+                }
+                DirectionCase::Adapted(AdaptedCase { pattern, n_points }) => {
+                    let each = joint.predictors();
+                    let each = each.map(|p| p.adapted_experiment(pattern, *n_points));
+                    CaseExperiments::Single(each.collect())
+                }
+            });
+        }
+        let Some(predictor) = joint.predictors().last() else { return Err(missing_count()) };
+        if effort.whole_spectra {
+            let max_points = cases.iter().map(DirectionCase::n_points).max().unwrap_or(0);
+            predictor.energy_to(Resolution::natural_degree(max_points))?;
+        }
+        Ok(Known::new(experiments, predictor.energy()))
+    }
+
+    /// Returns the rows of a case, one for each integral; none if this run does not have all results.
     fn rows(
         &self,
         joint: &mut JointTrials<'_>,
         case: &Case,
+        experiments: Option<&CaseExperiments>,
         progress: &Progress,
     ) -> Result<Vec<Row>, CliError> {
-        let predicted: Vec<Option<PredictedPoint>> = if self.effort.is_predicted() {
-            self.predict(joint, case, progress)?.into_iter().map(Some).collect()
+        let (name, sampler) = (case.name(), case.sampler());
+        let predicted = if self.effort.is_predicted() {
+            self.effort.predicted(&name, || self.predict(joint, case, progress))?
         } else {
-            vec![None; joint.predictors().count()]
+            Some(vec![Predicted::default(); self.integrals.all().len()])
         };
-        let trials = self.effort.trials_of::<Domain>(case.sampler());
-        let prediction = |point: &PredictedPoint| point.prediction;
-        let predictions: Vec<_> = predicted
-            .iter()
-            .map(|point| point.as_ref().map_or(Prediction::UNKNOWN, prediction))
-            .collect();
-        let comparisons = joint.measure(&predictions, case.sampler(), trials, progress)?;
-        let results = predicted.iter().zip(comparisons).zip(joint.predictors());
+        let trials = self.effort.trials_of::<Domain>(sampler);
+        let estimates = match trials.until {
+            Some(_) => None,
+            None => {
+                let size = (trials.count, trial_work(sampler));
+                let compute = |range| Ok(joint.estimates(sampler, range, progress)?);
+                let estimates =
+                    self.effort.estimates(&name, size, progress, Vec::extend, compute)?;
+                let Some(estimates) = estimates else { return Ok(Vec::new()) };
+                Some(estimates)
+            }
+        };
+        let (Some(CaseExperiments::Single(experiments)), Some(predicted)) =
+            (experiments, predicted)
+        else {
+            return Ok(Vec::new());
+        };
+        let predictions: Vec<Prediction> = predicted.iter().map(Predicted::prediction).collect();
+        let comparisons = match estimates {
+            Some(estimates) => joint.comparisons(experiments, &predictions, &estimates),
+            None => joint.measure_known(experiments, &predictions, sampler, trials, progress)?,
+        };
+        let results = predicted.into_iter().zip(comparisons).zip(joint.predictors());
         let mut rows = Vec::new();
-        for (integral, ((point, comparison), predictor)) in self.integrals.in_rows().zip(results) {
-            let is_shown = self.effort.whole_spectra && integral.is_main;
-            let spectrum = point.as_ref().map(|point| &point.spectrum);
-            let row = case.row(integral.name, predictor, spectrum, comparison, is_shown);
+        for (integral, ((predicted, comparison), predictor)) in
+            self.integrals.in_rows().zip(results)
+        {
+            let row = case.row(integral.name, predictor, predicted, comparison);
             rows.push(Row { integral: integral.label, is_main: integral.is_main, ..row });
         }
         Ok(rows)
     }
 
-    /// Returns the predictions for a case, with the spectrum as far as it is shown.
+    /// Returns what rows contain of the predictions for a case, with the spectrum if it is shown.
     fn predict(
         &self,
         joint: &mut JointTrials<'_>,
         case: &Case,
         progress: &Progress,
-    ) -> Result<Vec<PredictedPoint>, CliError> {
-        let share = Share::new(progress, joint.work(case.sampler())?);
+    ) -> Result<Vec<Predicted>, CliError> {
+        let share = self.effort.share(progress, joint.work(case.sampler())?);
         let mut points = joint.predict(case.sampler(), &share)?;
         share.finish().map_err(CliError::failed)?;
         let natural = Resolution::natural_degree(case.n_points());
@@ -376,7 +618,11 @@ impl Plan<'_> {
         {
             point.spectrum = predictor.spectrum_to(case.sampler(), point, &natural)?;
         }
-        Ok(points)
+        let named = points.iter().zip(self.integrals.in_rows());
+        let predicted = named.map(|(point, integral)| {
+            case.predicted(point, self.effort.whole_spectra && integral.is_main)
+        });
+        Ok(predicted.collect())
     }
 
     /// Returns the maximum degree that a spectrum needs.

@@ -1,13 +1,15 @@
 //! Rows of predicted and measured variance on the unit square, for `variance` and `compare`.
 
-use sphvar_samplers::{Share, Square, SquarePattern};
+use sphvar_samplers::{Square, SquarePattern};
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::SquareResolution;
-use sphvar_variance::{PredictedPoint, Prediction, PredictionBudget, SquarePredictor};
+use sphvar_variance::{
+    Comparison, Experiment, Measurement, PredictionBudget, SquarePredictor, Trials,
+};
 
 use super::cases::Case;
 use super::effort::EffortArgs;
-use super::rows::{Effort, Row, ShownEnergy};
+use super::rows::{Effort, Known, Predicted, Row, ShownEnergy, finished, known_of};
 use crate::error::CliError;
 use crate::flags::{NO_HARMONICS, ONE_DOMAIN, ProjectArgs, USE_KMAX};
 use crate::global::Global;
@@ -52,12 +54,12 @@ fn check_frequencies(kmax: usize) -> Result<(), CliError> {
 }
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases, with the
-/// energies of the integrand.
+/// energies of the integrand; `None` if this run keeps only a part of the work.
 pub(super) fn run(
     integrand: &NamedSquareIntegrand,
     effort: &Effort<'_>,
     cases: &[Case<SquarePattern>],
-) -> Result<(Vec<Row>, ShownEnergy), CliError> {
+) -> Result<Option<(Vec<Row>, ShownEnergy)>, CliError> {
     let wrong = |e| CliError::Usage(format!("{}: {e}", integrand.name));
     let budget = PredictionBudget::DEFAULT;
     let predictor =
@@ -68,37 +70,64 @@ pub(super) fn run(
     for case in cases {
         let trials = effort.trials_of::<Square>(case.sampler());
         work += trials.work_of::<Square>(case.sampler());
-        if effort.is_predicted() {
+        if effort.does_all() && effort.is_predicted() {
             work += predictor.work(case.sampler())?;
         }
     }
     let progress = Progress::new(work, effort.session);
+    let known = effort.known(|| {
+        let cases: Vec<_> = cases.iter().collect();
+        known_of(&mut predictor, effort, &cases)
+    })?;
     let mut rows = Vec::new();
-    for case in cases {
+    for (i, case) in cases.iter().enumerate() {
         progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
-        let point = if effort.is_predicted() {
-            Some(predict(&mut predictor, effort, case, &progress)?)
+        let experiment = known.as_ref().and_then(|known| known.experiments.get(i));
+        let predicted = if effort.is_predicted() {
+            effort.predicted(&case.name(), || predict(&mut predictor, effort, case, &progress))?
         } else {
-            None
+            Some(Predicted::default())
         };
-        let prediction = point.as_ref().map_or(Prediction::UNKNOWN, |point| point.prediction);
-        let trials = effort.trials_of::<Square>(case.sampler());
-        let comparison = predictor.measure(prediction, case.sampler(), trials, &progress)?;
-        let (name, is_shown) = (integrand.name.clone(), effort.whole_spectra);
-        let spectrum = point.as_ref().map(|point| &point.spectrum);
-        rows.push(case.row(name, &predictor, spectrum, comparison, is_shown));
+        let measured = measure(&predictor, effort, case, (experiment, &predicted), &progress)?;
+        if let (Some(predicted), Some(comparison)) = (predicted, measured) {
+            rows.push(case.row(integrand.name.clone(), &predictor, predicted, comparison));
+        }
     }
-    Ok((rows, ShownEnergy::new(predictor.energy())))
+    finished(rows, known.map(Known::shown::<Frequencies>), effort)
 }
 
-/// Returns the prediction for a case, with the spectrum as far as it is shown.
+/// Returns the comparison for a case; `None` if this run does not have all results.
+fn measure(
+    predictor: &SquarePredictor<'_>,
+    effort: &Effort<'_>,
+    case: &Case<SquarePattern>,
+    (experiment, predicted): (Option<&Experiment>, &Option<Predicted>),
+    progress: &Progress,
+) -> Result<Option<Comparison>, CliError> {
+    let trials = effort.trials_of::<Square>(case.sampler());
+    let mut source = |range| predictor.estimates(case.sampler(), range, progress);
+    let known = experiment.zip(predicted.as_ref());
+    if trials.until.is_some() {
+        let Some((experiment, predicted)) = known else { return Ok(None) };
+        let prediction = predicted.prediction();
+        return Ok(Some(experiment.measure(&mut source, prediction, trials, progress)?));
+    }
+    let size = (trials.count, Trials::new(1).work_of::<Square>(case.sampler()));
+    let compute = |range| Ok(source(range)?);
+    let estimates = effort.estimates(&case.name(), size, progress, Vec::extend, compute)?;
+    Ok(estimates.zip(known).map(|(estimates, (experiment, predicted))| {
+        experiment.comparison(predicted.prediction(), Measurement::new(estimates))
+    }))
+}
+
+/// Returns what the row of a case contains of its prediction, with the spectrum if it is shown.
 fn predict(
     predictor: &mut SquarePredictor<'_>,
     effort: &Effort<'_>,
     case: &Case<SquarePattern>,
     progress: &Progress,
-) -> Result<PredictedPoint<Frequencies>, CliError> {
-    let share = Share::new(progress, predictor.work(case.sampler())?);
+) -> Result<Predicted, CliError> {
+    let share = effort.share(progress, predictor.work(case.sampler())?);
     let mut point = predictor.predict(case.sampler(), &share)?;
     share.finish().map_err(CliError::failed)?;
     if effort.whole_spectra && effort.spectra.lmax.is_none() {
@@ -108,5 +137,5 @@ fn predict(
             point.spectrum = predictor.spectrum_to(case.sampler(), &point, &shown)?;
         }
     }
-    Ok(point)
+    Ok(case.predicted(&point, effort.whole_spectra))
 }

@@ -37,6 +37,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered -n 48 --integrand env:data/city.exr --project 2 -m 100
   sphvar variance jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 100
   sphvar variance fibonacci,sobol:warp=cosine --hemisphere -n 64 --integrand phong:n=5 -m 100
+  sphvar variance jittered -n 768 --integrand cap:degrees=60 -m 2000 --shard 2/3 --save second.shard
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
@@ -68,7 +69,9 @@ sobol:warp=\"0.3 * cosine + 0.7 * env:FILE\",heuristic=balance|power, with the n
 for each. max f/p is the largest known ratio; if few trials have a point near it, the measured variance is uncertain.
 
 ccvt:density=WARP[,capacity=64] has the sites of tessellations into cells of equal mass. They are measured with the weights \
-1/(N p) too, but nothing predicts their variance, and estimates are biased.";
+1/(N p) too, but nothing predicts their variance, and estimates are biased.
+
+--shard I/K --save FILE computes one of K parts of the work; merge writes what one run would write, bit-identically.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -174,7 +177,8 @@ fn run_integrals(
         let option = "--rotations";
         integrals.only(option)?;
         let cases = DirectionCase::all_uniform(&cases, option, SHIFTED)?;
-        return run_over_rotations(args, global, &over_rotations::run(rotations, &plan, &cases)?);
+        let body = over_rotations::run(rotations, &plan, &cases)?;
+        return body.map_or(Ok(()), |body| run_over_rotations(args, global, &body));
     }
     let halves = match args.visible_half {
         Some(axis) => {
@@ -184,10 +188,11 @@ fn run_integrals(
         }
         None => None,
     };
-    let (rows, _) = rows::run(&plan, &cases)?;
+    let rows = rows::run(&plan, &cases)?.map(|(rows, _)| rows);
     let halves = halves
-        .map(|(axis, uniform)| visible_half::run(&plan, axis, &uniform, &rows))
+        .map(|(axis, uniform)| visible_half::run(&plan, axis, &uniform, rows.as_deref()))
         .transpose()?;
+    let Some(rows) = rows else { return Ok(()) };
     write(args, global, &rows, &plan.subject(), halves)
 }
 
@@ -205,7 +210,7 @@ fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
     let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
     let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, args.nearest.nearest)?;
-    let (rows, _) = square_rows::run(&integrand, &effort, &cases)?;
+    let Some((rows, _)) = square_rows::run(&integrand, &effort, &cases)? else { return Ok(()) };
     write(args, global, &rows, &integrand.subject(), None)
 }
 
@@ -235,7 +240,7 @@ fn run_fixed(
     plan: &Plan<'_>,
     cases: &[&Case],
 ) -> Result<(), CliError> {
-    let (body, chart) = fixed_orientation::run(plan, cases)?;
+    let Some((body, chart)) = fixed_orientation::run(plan, cases)? else { return Ok(()) };
     let provenance = Provenance::new(&global.session, global.seed);
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),

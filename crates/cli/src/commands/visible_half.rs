@@ -7,15 +7,15 @@ use sphvar_integrands::{VisibleHalfEstimator, VisibleHalfIntegrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    BiasTest, CutAxis, Error, Measurement, Prediction, VisibleHalfMeasurement,
-    measure_visible_half, prediction_degree, trial_work,
+    BiasTest, CutAxis, Error, Measurement, Prediction, VisibleHalfMeasurement, prediction_degree,
+    trial_work, visible_half_estimates,
 };
 
 use super::cases::Case;
 use super::rows::{Plan, Row};
 use crate::error::CliError;
 use crate::memory::check_transform;
-use crate::patterns;
+use crate::patterns::{self, SamplerName};
 use crate::progress::Progress;
 use crate::report::{Column, number};
 
@@ -84,12 +84,13 @@ pub(crate) struct VisibleHalfRecord {
     predicted_tail_error: Option<f64>,
 }
 
-/// Returns both estimators for every case, whose rows on the hemisphere are `rows`.
+/// Returns both estimators for every case, whose rows on the hemisphere are `rows`; none if this run
+/// has no rows, because it keeps only a part of the work.
 pub(super) fn run(
     plan: &Plan<'_>,
     half: HalfAxis,
     cases: &[&Case],
-    rows: &[Row],
+    rows: Option<&[Row]>,
 ) -> Result<Vec<VisibleHalfRecord>, CliError> {
     if let Some(case) = cases.iter().find(|c| matches!(c.pattern, Pattern::PointFile(_))) {
         return Err(CliError::Usage(format!(
@@ -101,13 +102,24 @@ pub(super) fn run(
         .iter()
         .map(|c| patterns::build(&c.pattern, c.n_points().saturating_mul(2), Domain::Sphere, true))
         .collect::<Result<_, _>>()?;
-    let trials = |row: &Row| row.comparison.measurement.estimates().len();
-    let work = sphere.iter().zip(rows).map(|(s, r)| trials(r) as f64 * trial_work(&**s)).sum();
+    let row_of = |case: &Case| {
+        let name = SamplerName::of(&case.pattern);
+        let is_its = |row: &&Row| row.sampler == name && row.requested == case.requested;
+        rows?.iter().find(is_its)
+    };
+    // With --until-rel, the number of trials follows from the row.
+    let trials = |case: &Case| {
+        let planned = plan.effort.trials_of::<Domain>(case.sampler());
+        let of_row = |row: &Row| row.comparison.measurement.estimates().len() as u64;
+        planned.until.and_then(|_| row_of(case)).map_or(planned.count, of_row)
+    };
+    let work = sphere.iter().zip(cases).map(|(s, c)| trials(c) as f64 * trial_work(&**s)).sum();
     let progress = Progress::new(work, plan.effort.session);
     let mut records = Vec::new();
-    for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
+    for (sampler, case) in sphere.iter().zip(cases) {
         let m = sampler.n_points();
-        progress.stage(&format!("{} M = {m}, visible half", case.pattern));
+        let name = format!("{} M = {m}, visible half", case.pattern);
+        progress.stage(&name);
         let group = sampler.stream_group();
         let streams = Streams::new(plan.effort.seed, Purpose::Trial, group);
         let axis = match half {
@@ -118,18 +130,35 @@ pub(super) fn run(
         };
         let ensemble = Realizations::rotated(&**sampler, streams);
         let function = &*plan.integrand.function;
-        let count = trials(row) as u64;
-        let measured = measure_visible_half(&ensemble, function, axis, count, &progress)?;
-        for (name, estimates, estimator) in [
-            ("(4 pi/M) sum f", &measured.unbiased, VisibleHalfEstimator::Unbiased),
-            ("(2 pi/n) sum f", &measured.ratio, VisibleHalfEstimator::Ratio),
+        let size = (trials(case), trial_work(&**sampler));
+        let compute =
+            |range| Ok(visible_half_estimates(&ensemble, function, axis, range, &progress)?);
+        let estimates = plan.effort.estimates(&name, size, &progress, Vec::extend, compute)?;
+        let measured = estimates.map(|rows: Vec<[f64; 3]>| VisibleHalfMeasurement::new(&rows));
+        for (estimator_name, estimator) in [
+            ("(4 pi/M) sum f", VisibleHalfEstimator::Unbiased),
+            ("(2 pi/n) sum f", VisibleHalfEstimator::Ratio),
         ] {
             let predicted = match half {
-                HalfAxis::Equator => predicted(plan, &**sampler, estimator)?,
-                HalfAxis::Random => None,
+                HalfAxis::Equator => {
+                    let name = format!("{estimator_name} of {name}");
+                    let compute = || predicted(plan, &**sampler, estimator);
+                    plan.effort.predicted(&name, compute)?
+                }
+                HalfAxis::Random => Some(None),
             };
-            records
-                .push(VisibleHalfRecord::new(name, estimates, predicted, half, m, &measured, row));
+            if let (Some(measured), Some(predicted), Some(row)) =
+                (&measured, predicted, row_of(case))
+            {
+                let name = estimator_name;
+                let estimates = match estimator {
+                    VisibleHalfEstimator::Unbiased => &measured.unbiased,
+                    VisibleHalfEstimator::Ratio => &measured.ratio,
+                };
+                records.push(VisibleHalfRecord::new(
+                    name, estimates, predicted, half, m, measured, row,
+                ));
+            }
         }
     }
     Ok(records)

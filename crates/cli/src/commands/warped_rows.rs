@@ -1,12 +1,16 @@
 //! Rows of warped patterns, for `variance` and `compare`.
 
+use serde::{Deserialize, Serialize};
 use sphvar_integrands::{Heuristic, PulledBack, WarpExpression};
-use sphvar_samplers::{Domain, Share};
-use sphvar_variance::{Prediction, PredictionBudget, WarpedPattern, WarpedPredictor};
+use sphvar_samplers::Domain;
+use sphvar_variance::{
+    Prediction, PredictionBudget, WarpedEstimates, WarpedExperiment, WarpedPattern, WarpedPoint,
+    WarpedPredictor,
+};
 
 use super::cases::WarpedCase;
 use super::power_chart::largest_radius;
-use super::rows::{Effort, Plan, Row};
+use super::rows::{CaseExperiments, Effort, Plan, Row};
 use crate::error::CliError;
 use crate::integrands::{Integral, Integrals, strategies_of};
 use crate::patterns::DirectionSampler;
@@ -83,6 +87,13 @@ impl<'a> WarpedIntegrals<'a> {
         warp.integrals.get(at)?.1.first()
     }
 
+    /// Returns the nominal work of the trials of a case.
+    pub(super) fn trials_work(&self, case: &WarpedCase, effort: &Effort<'_>) -> f64 {
+        let of_one = case.trials(effort).count as f64 * case.pattern.trial_work(case.n_points);
+        let warp = self.warps.iter().find(|warp| warp.is_of(&case.pattern));
+        warp.map_or(0, |warp| warp.integrals.len()) as f64 * of_one
+    }
+
     /// Returns the predictors of all integrals.
     pub(super) fn predictors(&self, effort: &Effort<'_>) -> Result<WarpedPredictors<'_>, CliError> {
         let mut warps = Vec::new();
@@ -110,46 +121,78 @@ impl<'a> WarpedPredictors<'a> {
         own.flat_map(|(_, predictors)| predictors)
     }
 
-    /// Returns the maximum nominal work of a case.
-    pub(super) fn work(&mut self, case: &WarpedCase, effort: &Effort<'_>) -> Result<f64, CliError> {
+    /// Returns the maximum nominal work of the predictions of a case.
+    pub(super) fn work(&mut self, case: &WarpedCase) -> Result<f64, CliError> {
         let WarpedCase { pattern, n_points, .. } = case;
-        let of_trials = case.trials(effort).count as f64 * pattern.trial_work(*n_points);
-        let is_predicted = effort.is_predicted();
-        self.of(case)
-            .map(|predictor| {
-                let predicted =
-                    if is_predicted { predictor.work(pattern, *n_points)? } else { 0.0 };
-                Ok(predicted + of_trials)
-            })
-            .sum()
+        self.of(case).map(|predictor| Ok(predictor.work(pattern, *n_points)?)).sum()
     }
 
-    /// Returns the rows of a case, one for each integral, all from the same directions; `white` are
-    /// the variances of independent uniform directions.
+    /// Returns what is known of the trials of a case for each integral, after the energies of its
+    /// predictions have been computed.
+    pub(super) fn experiments(
+        &mut self,
+        case: &WarpedCase,
+        effort: &Effort<'_>,
+    ) -> Result<Vec<WarpedExperiment>, CliError> {
+        let WarpedCase { pattern, n_points, .. } = case;
+        let of_one = |predictor: &mut WarpedPredictor<'_>| {
+            if effort.is_predicted() {
+                predictor.prepare(pattern, *n_points)?;
+            }
+            Ok(predictor.experiment(pattern, *n_points)?)
+        };
+        self.of(case).map(of_one).collect()
+    }
+
+    /// Returns the rows of a case, one for each integral, all from the same directions; none if this
+    /// run does not have all results. `white` are the variances of independent uniform directions.
     pub(super) fn rows(
         &mut self,
         plan: &Plan<'_>,
         case: &WarpedCase,
+        experiments: Option<&CaseExperiments>,
         white: &[f64],
         progress: &Progress,
     ) -> Result<Vec<Row>, CliError> {
         let WarpedCase { pattern, requested, n_points } = case;
-        let trials = case.trials(&plan.effort);
+        let (effort, trials) = (&plan.effort, case.trials(&plan.effort));
+        let experiment = |i: usize| match experiments {
+            Some(CaseExperiments::Warped(each)) => each.get(i),
+            _ => None,
+        };
         let mut rows = Vec::new();
-        for ((integral, white), predictor) in plan.integrals.in_rows().zip(white).zip(self.of(case))
-        {
-            let point = if plan.effort.is_predicted() {
-                let share = Share::new(progress, predictor.work(pattern, *n_points)?);
-                let point = predictor.predict(pattern, *n_points, &share)?;
-                share.finish().map_err(CliError::failed)?;
-                Some(point)
+        let integrals = plan.integrals.in_rows().zip(white).zip(self.of(case));
+        for (i, ((integral, white), predictor)) in integrals.enumerate() {
+            let name = format!("{} of {}", integral.name, case.name());
+            let predicted = if effort.is_predicted() {
+                effort.predicted(&name, || {
+                    let share = effort.share(progress, predictor.work(pattern, *n_points)?);
+                    let point = predictor.predict(pattern, *n_points, &share)?;
+                    share.finish().map_err(CliError::failed)?;
+                    Ok(WarpedPrediction::new(&point))
+                })?
             } else {
-                None
+                Some(WarpedPrediction::UNKNOWN)
             };
-            let prediction = point.as_ref().map_or(Prediction::UNKNOWN, |point| point.prediction);
-            let measured = predictor.measure(&prediction, pattern, *n_points, trials, progress)?;
-            let strategies = || point.iter().flat_map(|point| &point.strategies);
-            let spectra = || strategies().map(|strategy| &strategy.spectrum);
+            let mut compute = |range| Ok(predictor.estimates(pattern, *n_points, range, progress)?);
+            let size = (trials.count, pattern.trial_work(*n_points));
+            let estimates = match trials.until {
+                Some(_) => None,
+                None => {
+                    effort.estimates(&name, size, progress, WarpedEstimates::append, |range| {
+                        Ok(compute(range)?)
+                    })?
+                }
+            };
+            let (Some(experiment), Some(predicted)) = (experiment(i), predicted) else { continue };
+            let WarpedPrediction { prediction, lmax, realizations } = predicted;
+            let measured = match (estimates, trials.until) {
+                (Some(estimates), _) => experiment.comparison(prediction, estimates),
+                (None, Some(_)) => {
+                    experiment.measure(&mut compute, prediction, trials, progress)?
+                }
+                (None, None) => continue,
+            };
             rows.push(Row {
                 integrand: integral.name,
                 integral: integral.label,
@@ -158,8 +201,8 @@ impl<'a> WarpedPredictors<'a> {
                 sampler: DirectionSampler::Warped(pattern.clone()).name(),
                 requested: *requested,
                 comparison: measured.comparison,
-                lmax: spectra().map(largest_radius).max().unwrap_or(0),
-                realizations: spectra().map(|s| s.realizations()).max().unwrap_or(0),
+                lmax,
+                realizations,
                 power: Vec::new(),
                 white_variance: *white,
                 n_effective: None,
@@ -168,5 +211,27 @@ impl<'a> WarpedPredictors<'a> {
             });
         }
         Ok(rows)
+    }
+}
+
+/// What rows contain of a prediction.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct WarpedPrediction {
+    prediction: Prediction,
+    /// The largest frequency of the spectra.
+    lmax: usize,
+    realizations: u64,
+}
+
+impl WarpedPrediction {
+    const UNKNOWN: Self = Self { prediction: Prediction::UNKNOWN, lmax: 0, realizations: 0 };
+
+    fn new(point: &WarpedPoint) -> Self {
+        let spectra = || point.strategies.iter().map(|strategy| &strategy.spectrum);
+        Self {
+            prediction: point.prediction,
+            lmax: spectra().map(largest_radius).max().unwrap_or(0),
+            realizations: spectra().map(|s| s.realizations()).max().unwrap_or(0),
+        }
     }
 }

@@ -46,20 +46,14 @@ pub(crate) fn unknown_value(option: &str, value: &str, known: &[&str]) -> CliErr
     }
 }
 
-/// Adds the replacement to an error about an old spelling, and the subcommands of the square to one
-/// about `--square`; `words` are the arguments.
+/// Adds the replacement to an error about an old spelling, and the subcommands of the square to those
+/// about `--square` and `--shard`; `words` are the arguments.
 pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[String]) {
     if error.kind() != ErrorKind::UnknownArgument {
         return;
     }
     let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidArg) else { return };
-    if unknown == "--square" {
-        let having: Vec<&str> = command
-            .get_subcommands()
-            .filter(|c| c.get_arguments().any(|arg| arg.get_long() == Some("square")))
-            .map(Command::get_name)
-            .collect();
-        let tip = format!("the unit square is supported by {}", having.join(", "));
+    if let Some(tip) = unsupported(unknown, command, words) {
         error.remove(ContextKind::SuggestedArg);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
         return;
@@ -70,6 +64,26 @@ pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[Strin
     // A suggestion of a similar flag would contradict the replacement.
     error.remove(ContextKind::SuggestedArg);
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+}
+
+/// Returns what to say about a flag that other subcommands have, if it is `--square` or `--shard`.
+fn unsupported(flag: &str, command: &Command, words: &[String]) -> Option<String> {
+    let having = || {
+        let has = |c: &&Command| c.get_arguments().any(|arg| arg.get_long() == flag.get(2..));
+        let names: Vec<&str> =
+            command.get_subcommands().filter(has).map(Command::get_name).collect();
+        names.join(", ")
+    };
+    match flag {
+        "--square" => Some(format!("the unit square is supported by {}", having())),
+        "--shard" if subcommand(command, words).get_name() == "choose" => Some(format!(
+            "choose stops by itself, when the results so far decide the ranking, so its work cannot be divided; \
+             {} have {flag}",
+            having()
+        )),
+        "--shard" => Some(format!("work can be divided by {}", having())),
+        _ => None,
+    }
 }
 
 /// Returns the subcommand that the words name.
@@ -146,6 +160,25 @@ mod tests {
             let text = error.to_string();
             assert!(text.contains(&names.join(", ")) && !text.contains("similar"), "{text}");
         }
+    }
+
+    /// Where work cannot be divided, the error names the commands whose work can; that of `choose`
+    /// says why.
+    #[test]
+    fn commands_without_shards_name_those_that_have_them() {
+        let root = Cli::command();
+        let text = |name: &str| {
+            let words = ["sphvar", name, "--shard", "1/2"].map(str::to_owned);
+            let mut error = Cli::try_parse_from(&words).unwrap_err();
+            explain(&mut error, &root, &words[1..]);
+            error.to_string()
+        };
+        for name in ["choose", "bounds"] {
+            let text = text(name);
+            assert!(text.contains("compare") && text.contains("variance"), "{text}");
+            assert!(!text.contains("similar"), "{text}");
+        }
+        assert!(text("choose").contains("stops by itself"), "{}", text("choose"));
     }
 
     #[test]

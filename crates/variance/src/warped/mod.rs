@@ -8,7 +8,7 @@ mod realizations;
 mod shares;
 mod text;
 
-pub use comparison::{LargestSeen, WarpedComparison};
+pub use comparison::{LargestSeen, WarpedComparison, WarpedEstimates, WarpedExperiment};
 pub use pattern::WarpedPattern;
 pub use point::WarpedPoint;
 pub(crate) use point::sum;

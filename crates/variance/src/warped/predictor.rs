@@ -5,11 +5,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use sphvar_integrands::{LargestRatio, PulledBack, SquareIntegrand};
 use sphvar_samplers::{Progress, Purpose, Square, SquareSampler};
 
-use super::{LargestSeen, WarpedComparison, WarpedPattern, WarpedPoint, strategy_group};
+use super::{
+    WarpedComparison, WarpedEstimates, WarpedExperiment, WarpedPattern, WarpedPoint, strategy_group,
+};
 use crate::estimates::estimates;
-use crate::trials::Experiment;
 use crate::{
-    CurvePredictor, Error, Prediction, PredictionBudget, SpectrumOptions, SquarePredictor, Trials,
+    CurvePredictor, Error, Experiment, Prediction, PredictionBudget, SpectrumOptions,
+    SquarePredictor, Trials,
 };
 
 /// Predicts and measures the variance of integrating one function of direction with warped patterns
@@ -187,40 +189,79 @@ impl<'a> WarpedPredictor<'a> {
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<WarpedComparison, Error> {
+        let experiment = self.experiment(pattern, n_points)?;
+        let mut source = |trials| self.estimates(pattern, n_points, trials, progress);
+        experiment.measure(&mut source, *prediction, trials, progress)
+    }
+
+    /// Computes the energies that [`Self::predict`] needs.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
+    pub fn prepare(&mut self, pattern: &WarpedPattern, n_points: usize) -> Result<(), Error> {
         let samplers = self.samplers(pattern, n_points)?;
-        let with_samplers = || self.strategies.iter().zip(&samplers);
-        let experiments: Vec<Experiment> = with_samplers()
-            .map(|((_, predictor), sampler)| predictor.experiment(&**sampler))
-            .collect();
-        let all = Experiment::of_sum(&experiments, self.integral);
+        let mut each = self.strategies.iter_mut().zip(&samplers);
+        each.try_for_each(|((_, predictor), sampler)| predictor.prepare(&**sampler))
+    }
+
+    /// Returns what is known of the trials with `n_points`. Its roundings are those of the energies
+    /// that have been computed so far ([`Self::prepare`]).
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`WarpedPattern::samplers`] and [`Error::Strategies`].
+    pub fn experiment(
+        &self,
+        pattern: &WarpedPattern,
+        n_points: usize,
+    ) -> Result<WarpedExperiment, Error> {
+        let samplers = self.samplers(pattern, n_points)?;
+        let each = self.strategies.iter().zip(&samplers);
+        let experiments: Vec<Experiment> =
+            each.map(|((_, predictor), sampler)| predictor.experiment(&**sampler)).collect();
+        let (strategy, largest) = self.largest_contribution(&samplers);
+        Ok(WarpedExperiment {
+            all: Experiment::of_sum(&experiments, self.integral),
+            strategy,
+            n_points: experiments[strategy].n_points,
+            ratio: largest.ratio,
+            direction: largest.direction.to_array(),
+            area: largest.area,
+        })
+    }
+
+    /// Returns the estimates of the given trials of [`Self::measure`]. Ticks
+    /// [`WarpedPattern::trial_work`] for each.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::measure`].
+    pub fn estimates(
+        &self,
+        pattern: &WarpedPattern,
+        n_points: usize,
+        trials: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<WarpedEstimates, Error> {
+        let samplers = self.samplers(pattern, n_points)?;
         let (strategy, largest) = self.largest_contribution(&samplers);
         let seen = AtomicU64::new(0);
-        let mut source = |trials: Range<u64>| {
-            let mut sums: Vec<f64> = Vec::new();
-            for (i, ((function, predictor), sampler)) in with_samplers().enumerate() {
-                let sets = predictor.realizations(Purpose::Trial, &**sampler);
-                let threshold = if i == strategy { 0.5 * largest.ratio } else { f64::INFINITY };
-                let function = Watched { function: *function, threshold, seen: &seen };
-                let own = estimates(Square, &sets, &function, trials.clone(), progress)?;
-                if i == 0 {
-                    sums = own;
-                } else {
-                    sums.iter_mut().zip(own).for_each(|(sum, estimate)| *sum += estimate);
-                }
+        let mut sums: Vec<f64> = Vec::new();
+        for (i, ((function, predictor), sampler)) in
+            self.strategies.iter().zip(&samplers).enumerate()
+        {
+            let sets = predictor.realizations(Purpose::Trial, &**sampler);
+            let threshold = if i == strategy { 0.5 * largest.ratio } else { f64::INFINITY };
+            let function = Watched { function: *function, threshold, seen: &seen };
+            let own = estimates(Square, &sets, &function, trials.clone(), progress)?;
+            if i == 0 {
+                sums = own;
+            } else {
+                sums.iter_mut().zip(own).for_each(|(sum, estimate)| *sum += estimate);
             }
-            Ok(sums)
-        };
-        let comparison = all.measure(&mut source, *prediction, trials, progress)?;
-        let n_trials = comparison.measurement.estimates().len() as f64;
-        let chance = (largest.area * experiments[strategy].n_points as f64).min(1.0);
-        let largest = LargestSeen {
-            strategy,
-            ratio: largest.ratio,
-            direction: largest.direction,
-            expected_trials: chance * n_trials,
-            trials: seen.load(Ordering::Relaxed),
-        };
-        Ok(WarpedComparison { comparison, largest })
+        }
+        Ok(WarpedEstimates { estimates: sums, near_largest: seen.into_inner() })
     }
 
     /// Returns the samplers of the strategies, of which the pattern must have as many as the
