@@ -17,8 +17,7 @@ impl Part {
     /// The whole run.
     pub(crate) const WHOLE: Self = Self { part: 1, parts: 1 };
 
-    /// Returns the units of this part of `count`. The sizes of parts differ by at most one; of fewer
-    /// units than parts, the first parts have one each.
+    /// Returns the units of this part of `count`. The sizes of parts differ by at most one.
     pub(crate) fn range(self, count: u64) -> Range<u64> {
         let end = |part: u64| {
             let wide = (u128::from(count) * u128::from(part)).div_ceil(u128::from(self.parts));
@@ -27,9 +26,14 @@ impl Part {
         end(self.part - 1)..end(self.part)
     }
 
-    /// Returns whether task number `number`, counted from 0, is one of this part.
-    pub(crate) fn has_task(self, number: u64) -> bool {
-        number % self.parts == self.part - 1
+    /// Returns the units of this part of `count`, fewer than there are parts, which are assigned in
+    /// turn: the first unit to the part that follows `first` others.
+    pub(crate) fn in_turn(self, first: u64, count: u64) -> Range<u64> {
+        let position = u128::from(self.part - 1) + u128::from(self.parts - first);
+        match u64::try_from(position % u128::from(self.parts)) {
+            Ok(unit) if unit < count => unit..unit + 1,
+            _ => 0..0,
+        }
     }
 
     /// Returns whether this is all of the run.
@@ -76,13 +80,19 @@ mod tests {
     }
 
     #[test]
-    fn every_task_is_one_of_one_part() {
-        for parts in [1_u64, 3, 16] {
-            for number in 0..40 {
-                let has = |part: &u64| Part { part: *part, parts }.has_task(number);
-                assert_eq!((1..=parts).filter(has).count(), 1, "{number} of {parts}");
+    fn units_in_turn_are_each_in_one_part() {
+        for (parts, first, count) in [(1, 0, 0), (3, 2, 2), (16, 5, 8), (16, 15, 15), (16, 0, 1)] {
+            let units = |part| Part { part, parts }.in_turn(first, count);
+            for unit in 0..count {
+                let of_unit = (first + unit) % parts + 1;
+                let has = |part: &u64| units(*part) == (unit..unit + 1);
+                assert_eq!((1..=parts).filter(has).collect::<Vec<_>>(), [of_unit], "{unit}");
             }
+            let all = (1..=parts).map(|part| units(part).count() as u64).sum::<u64>();
+            assert_eq!(all, count, "{first} of {parts}");
         }
+        let huge = Part { part: 1, parts: u64::MAX };
+        assert_eq!(huge.in_turn(u64::MAX - 1, 2), 1..2);
     }
 
     #[test]

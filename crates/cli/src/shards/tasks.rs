@@ -51,8 +51,8 @@ struct State {
     /// What the file will contain.
     results: Results,
     inputs: BTreeMap<String, Fingerprint>,
-    /// The number of indivisible tasks so far.
-    tasks: u64,
+    /// The number of parts before the one that takes the next unit in turn.
+    in_turn: u64,
 }
 
 /// A run whose results are known.
@@ -101,7 +101,7 @@ impl Tasks {
             known,
             results: Results::new(),
             inputs: BTreeMap::new(),
-            tasks: 0,
+            in_turn: 0,
         };
         let (target, state) = (target.to_path_buf(), Mutex::new(state));
         Ok(Self(Kind::Part(Arc::new(PartOfRun { part, target, state }))))
@@ -158,12 +158,7 @@ impl Tasks {
             }
             Kind::Part(run) => run,
         };
-        let number = {
-            let mut state = run.state();
-            state.tasks += 1;
-            state.tasks - 1
-        };
-        if !run.part.has_task(number) {
+        if run.range(1).is_empty() {
             return Ok(None);
         }
         let known = run.known(name)?;
@@ -202,7 +197,7 @@ impl Tasks {
             Kind::Merged(run) => return run.sum(name, count, append),
             Kind::Part(run) => run,
         };
-        let range = run.part.range(count);
+        let range = run.range(count);
         if range.is_empty() {
             return Ok(None);
         }
@@ -279,6 +274,19 @@ fn decode<T: DeserializeOwned>(name: &str, piece: &Piece) -> Result<T, CliError>
 impl PartOfRun {
     fn state(&self) -> MutexGuard<'_, State> {
         lock(&self.state)
+    }
+
+    /// Returns the units of this part of the next task, which has `count`. Tasks with fewer units
+    /// than there are parts take their parts in turn, so that many such tasks make equal parts.
+    fn range(&self, count: u64) -> Range<u64> {
+        if count >= self.part.parts {
+            return self.part.range(count);
+        }
+        let mut state = self.state();
+        let first = state.in_turn;
+        let left = self.part.parts - first;
+        state.in_turn = if count < left { first + count } else { count - left };
+        self.part.in_turn(first, count)
     }
 
     /// Returns the known results of a task, by units. Those of other inputs are forgotten.
