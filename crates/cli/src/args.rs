@@ -111,6 +111,10 @@ impl Command {
             Self::Compare(args) => Some(&args.effort.sharding),
             Self::Spectrum(args) => Some(&args.sharding),
             Self::Variance(args) => Some(&args.effort.sharding),
+            Self::Sample(args) => Some(&args.sharding),
+            Self::Spectrum(args) => Some(&args.sharding),
+            Self::Render(args) => Some(&args.sharding),
+            Self::Reproduce(args) => Some(&args.sharding),
             _ => None,
         }
     }

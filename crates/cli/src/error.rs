@@ -119,6 +119,12 @@ impl From<sphvar_variance::Error> for CliError {
     }
 }
 
+impl From<sphvar_thesis::Error> for CliError {
+    fn from(error: sphvar_thesis::Error) -> Self {
+        Self::failed(error)
+    }
+}
+
 impl From<sphvar_integrands::Error> for CliError {
     fn from(error: sphvar_integrands::Error) -> Self {
         Self::failed(error)

@@ -45,7 +45,8 @@ impl Progress {
     /// Returns the progress of `work` units as [`new`](Self::new) does, after a line on their
     /// expected time if it is long. The work must be the nominal one rather than a maximum or a share.
     pub(crate) fn with_expected_time(work: f64, session: &Session) -> Self {
-        if let Some(text) = expected_time(work).filter(|_| !session.is_embedded()) {
+        let of_run = work * session.tasks().share();
+        if let Some(text) = expected_time(of_run).filter(|_| !session.is_embedded()) {
             session.say(&text);
         }
         Self::new(work, session)

@@ -40,6 +40,12 @@ pub enum Error {
         /// Its key.
         key: String,
     },
+    /// Bytes are not those of a finished piece.
+    #[error("the finished piece \"{key}\" is damaged or of another version")]
+    Piece {
+        /// The key of the piece.
+        key: String,
+    },
     /// A finished piece cannot be stored.
     #[error("a finished piece cannot be kept: {reason}")]
     Store {

@@ -7,8 +7,9 @@
 //!
 //! A [`Job`] is an ensemble with the statistics computed from it. Figures share jobs, a job
 //! consists of pieces of some seconds, and a [`Store`] keeps finished pieces, so an interrupted run
-//! resumes where it stopped. Sums are exact, so results are bit-identical for any division into
-//! pieces. A figure contains numbers; callers draw them.
+//! resumes where it stopped; [`run_pieces`] takes pieces that other processes have computed. Sums
+//! are exact, so results are bit-identical for any division into pieces. A figure contains numbers;
+//! callers draw them.
 //!
 //! ```
 //! use sphvar_thesis::{FigureId, NoStore, Results, Scale, Setting, run};
@@ -58,7 +59,7 @@ pub use plane_ensemble::PlaneEnsemble;
 pub use plane_spectrum::PlaneSpectrum;
 pub use quantity::Quantity;
 pub use results::Results;
-pub use run::{run, work};
+pub use run::{JobPiece, run, run_pieces, work};
 pub use setting::{Scale, Setting};
 pub use store::{NoStore, Store};
 pub use test_integrand::TestIntegrand;

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use sphvar_samplers::{Domain, Pattern, SquarePattern};
 use sphvar_scene::DirectionMode;
 use sphvar_thesis::{
-    Error, Job, Lighting, NoStore, Pictures, PlaneEnsemble, Results, Scale, Setting, Store,
-    ThesisEnsemble, run, work,
+    Error, Job, JobPiece, Lighting, NoStore, Pictures, PlaneEnsemble, Results, Scale, Setting,
+    Store, ThesisEnsemble, run, run_pieces, work,
 };
 
 const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
@@ -147,5 +147,45 @@ fn what_was_not_run_is_missing() {
         assert!(!results.contains(&job));
         let message = results.spectrum(&job).unwrap_err().to_string();
         assert!(message.contains(&job.key()), "{message}");
+    }
+}
+
+/// Each of three processes computes some pieces, and a fourth one has all of them.
+#[test]
+fn pieces_of_several_processes_complete_their_jobs() {
+    let jobs = [jobs(), vec![costly(3)]].concat();
+    let mut pieces = BTreeMap::new();
+    for process in 0..3 {
+        let (mut number, mut results) = (0, Results::new(SETTING));
+        let keep = |piece: &JobPiece<'_>| -> Result<_, Error> {
+            number += 1;
+            if number % 3 == process {
+                pieces.insert(piece.key().to_owned(), piece.compute()?);
+            }
+            Ok(None)
+        };
+        run_pieces(&jobs, &mut results, keep).unwrap();
+        assert!(jobs.iter().all(|job| !results.contains(job)));
+    }
+    let whole = done(&jobs, &NoStore).unwrap();
+    let merged = |pieces: &BTreeMap<String, Vec<u8>>| -> Result<Results, Error> {
+        let mut results = Results::new(SETTING);
+        run_pieces(&jobs, &mut results, |piece| Ok(pieces.get(piece.key()).cloned()))
+            .map(|()| results)
+    };
+    let results = merged(&pieces).unwrap();
+    assert_eq!(results.spectrum(&jobs[0]).unwrap(), whole.spectrum(&jobs[0]).unwrap());
+    assert_eq!(results.pictures(&jobs[6]).unwrap(), whole.pictures(&jobs[6]).unwrap());
+    // Of the last job the second piece is missing.
+    let last = pieces.keys().find(|key| key.contains("n=9600") && !key.contains("sets=0")).cloned();
+    let bytes = pieces.remove(last.as_ref().unwrap()).unwrap();
+    let partial = merged(&pieces).unwrap();
+    assert!(partial.contains(&jobs[5]) && !partial.contains(&jobs[6]));
+    // Bytes of another number of sets.
+    let first = pieces.values().next().unwrap().clone();
+    for wrong in [first, bytes[..bytes.len() - 1].to_vec(), Vec::new()] {
+        pieces.insert(last.clone().unwrap(), wrong);
+        let error = merged(&pieces).unwrap_err();
+        assert!(matches!(&error, Error::Piece { key } if key == last.as_ref().unwrap()), "{error}");
     }
 }

@@ -2,10 +2,12 @@
 
 mod colours;
 mod exposure;
+mod kept_renders;
 mod numbers;
 mod plan;
 mod reference;
 mod reference_file;
+mod rows;
 mod sampler;
 pub(crate) mod sheet;
 pub(crate) mod single;
@@ -26,12 +28,14 @@ use crate::error::CliError;
 use crate::flags::retired::unknown_value;
 use crate::flags::{CountsArgs, one_sampler};
 use crate::global::Global;
+use crate::shards::ShardArgs;
 use crate::spec::{argument, unknown_name};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render cornell --sampler jittered -n 24 --size 64 -o ao.png
   sphvar render cornell --sampler fibonacci -n 256 --mode shared --mse -o bands.png
   sphvar render cornell --study --samplers white-noise,jittered -o study.png
+  sphvar render cornell --study --samplers all -m 64 --shard 3/16 --save third.shard     (for sphvar merge)
   sphvar render mesh.obj --sampler healpix --integral irradiance:env=sky.exr -o m.exr
   sphvar render cornell --integral light --sampler sobol:warp=light -n 16 --size 64 -o light.png
   sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png
@@ -52,7 +56,8 @@ Exposure: a .png of light shows the 99th percentile of the lit pixels as white, 
 
 Errors are relative to a reference image (--reference-count). It is rendered when \
 --mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large \
-pictures, and kept in --cache for the next run.";
+pictures, and kept in --cache for the next run. Files of --save have 8 bytes for each pixel of each render of a study, \
+16 with warp=, and 24 to 32 for each of the reference image; a merge needs the memory for all of them.";
 
 #[derive(Debug, Args)]
 #[command(mut_arg("counts", |counts| counts.help(counts_help())))]
@@ -115,6 +120,8 @@ pub(crate) struct RenderArgs {
     /// Pictures side by side with their errors: SAMPLER@MODE or reference, separated by commas; one row for each N
     #[arg(long, value_name = "PANELS", conflicts_with_all = ["difference", "error"], value_parser = argument())]
     pub(super) sheet: Option<String>,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 fn counts_help() -> String {
@@ -145,6 +152,13 @@ pub(crate) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     }
     if args.sets == Some(0) {
         return Err(CliError::Usage("--sets must be at least 1, got 0".to_owned()));
+    }
+    if args.sharding.save.is_some() && !args.study {
+        return Err(CliError::Usage(
+            "--save and --shard require --study: the renders of a study are independent, whereas one picture is \
+             divided by --crop"
+                .to_owned(),
+        ));
     }
     if args.study {
         study::run(args, global)

@@ -1,5 +1,6 @@
 //! `sphvar sample`: realizations of a pattern.
 
+mod kept_set;
 pub(crate) mod realized_sets;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use crate::flags::{
 };
 use crate::global::Global;
 use crate::plots::{OrthographicView, PlotError, SquareView};
+use crate::shards::ShardArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -28,7 +30,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample file:points.csv -o points.ply       (your own points in another format)
   sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)
   sphvar sample sobol:warp=cosine -n 256 --hemisphere -o cosine.npz     (points with weights 1/(N p) for a density p)
-  sphvar sample r2:warp=vmf:kappa=50 -n 256 -m 8 -o lobes.npz";
+  sphvar sample r2:warp=vmf:kappa=50 -n 256 -m 8 -o lobes.npz
+  sphvar sample ccvt -n 1024 -m 100 -o sets.npy --shard 2/4 --save second.shard   (25 of the sets, for sphvar merge)";
 
 #[derive(Debug, Args)]
 #[command(
@@ -60,6 +63,8 @@ pub(crate) struct SampleArgs {
     /// Write the points to a file: .csv, .npy, .npz or .ply, or a picture as .svg or .png; - is CSV on standard output. {i} in the name is the number of the set, 000000, 000001, ..., one file per set
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
@@ -87,12 +92,13 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         let picture = |title, notes, points: &[_], path: &Path| {
             SquareView { title, notes }.render(points, path)
         };
-        return RealizedSets { draws: &draws, picture }.write(args, global);
+        RealizedSets { draws: &draws, picture }.write(args, global)?;
+        return Ok(());
     }
     let draws = Draws::new(&request, &global.session)?;
-    RealizedSets { draws: &draws, picture: sphere_picture }.write(args, global)?;
+    let is_written = RealizedSets { draws: &draws, picture: sphere_picture }.write(args, global)?;
     // The statement is about sets that exist: the work may fail or be interrupted.
-    if let (Some(_), Some(empty)) = (draws.last_empty_degree, &draws.remark) {
+    if let (true, Some(_), Some(empty)) = (is_written, draws.last_empty_degree, &draws.remark) {
         let sampler = &draws.sampler;
         global.session.say(&format!("{sampler}, N = {}: {empty}", draws.n_points()));
     }

@@ -46,6 +46,7 @@ mod schemas;
 mod sequences;
 mod several_integrals;
 mod shards;
+mod shards_of_pictures;
 mod shards_of_variances;
 mod square;
 mod square_variances;

@@ -136,15 +136,19 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let is_warped = samplers.iter().any(RenderSampler::is_warped);
     let reference = Reference::new(args, &stage, is_warped, global)?;
     reference.remark(cases.iter().map(|case| case.plan.n_points()).max().unwrap_or(0));
-    let reference = reference.image(&stage)?;
+    let reference = reference.image_of_run(&stage)?;
     let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.work(&stage)).collect();
     let progress = Progress::new(costs?.iter().sum(), &global.session);
+    let tasks = global.session.tasks();
     let (mut rows, mut rays, mut seconds) = (Vec::new(), 0, 0.0);
     for case in &cases {
-        let outcome = case.run(&stage, Some(&reference), &progress)?;
-        rays += outcome.rays;
-        seconds += outcome.seconds;
-        rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
+        let kept = case.kept(&stage, tasks, &progress)?;
+        let Some((kept, reference)) = kept.zip(reference.as_ref()) else { continue };
+        rays += kept.rays;
+        seconds += kept.seconds;
+        let renders = kept.count();
+        let errors = case.errors(&kept.errors(reference)?, reference);
+        rows.push(StudyRecord {
             sampler: case.name.text.clone(),
             label: case.name.label.clone(),
             mode: case.mode,
@@ -152,9 +156,13 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             n: case.plan.n_points(),
             sets: case.plan.distinct_sets(renders),
             renders,
-            errors: ErrorRecord::new(errors),
-        }));
+            errors: ErrorRecord::new(&errors),
+        });
     }
+    if tasks.is_part() {
+        return Ok(());
+    }
+    let reference = reference.ok_or_else(Reference::missing)?;
     drop(progress);
     let names: Vec<SamplerName> = samplers.iter().map(RenderSampler::name).collect();
     let curves: Vec<Curve<'_>> = names.iter().map(|name| Curve::new(name, &rows)).collect();

@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use sphvar_scene::{
-    DirectionPlan, Error, ErrorReport, Estimator, Image, RenderErrors, WarpedPlan, render,
+    DirectionPlan, Error, ErrorReport, Estimator, Image, RenderErrors, View, WarpedPlan, render,
 };
 
 use super::RenderArgs;
+use super::kept_renders::KeptRenders;
 use super::plan::Plan;
 use super::sampler::RenderSampler;
 use super::stage::Stage;
@@ -15,6 +16,7 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns::SamplerName;
 use crate::progress::Progress;
+use crate::shards::{Divided, Tasks};
 
 /// The default number of renders from which errors are estimated.
 pub(super) const DEFAULT_RENDERS: u64 = 8;
@@ -119,18 +121,24 @@ impl Trials {
             _ => format!("-n {}", self.requested),
         };
         check_memory(&what, self.plan.bytes())?;
-        // Value, two spreads and coverage of the render and the reference, and the errors of all
-        // renders.
-        let pixel = (2 * 32 + 8) as f64 + 8.0 * self.renders as f64;
+        // Value, two spreads and coverage of the render and the reference, and of all renders the
+        // errors, or the values and spreads.
+        let of_render = if matches!(self.plan, Plan::Warped(_)) { 16.0 } else { 8.0 };
+        let pixel = (2 * 32 + 8) as f64 + of_render * self.renders as f64;
         let region = stage.view()?.region();
         check_memory("the picture", pixel * (region.width * region.height) as f64)
     }
 
     /// Returns the work for the progress bar.
     pub(super) fn work(&self, stage: &Stage) -> Result<f64, CliError> {
-        let region = stage.view()?.region();
+        Ok(self.render_work(&stage.view()?) * self.renders as f64)
+    }
+
+    /// Returns the nominal work of one render.
+    fn render_work(&self, view: &View<'_>) -> f64 {
+        let region = view.region();
         let pixels = (region.width * region.height) as f64 * self.plan.pixel_work();
-        Ok((self.plan.table_work() + pixels) * self.renders as f64)
+        self.plan.table_work() + pixels
     }
 
     /// Renders and compares.
@@ -140,37 +148,81 @@ impl Trials {
         reference: Option<&Image>,
         progress: &Progress,
     ) -> Result<Outcome, CliError> {
-        progress.stage(&format!("{} N = {}", self.name.label, self.plan.n_points()));
+        self.set_stage(progress);
         let view = stage.view()?;
         let mut errors = reference.map(RenderErrors::new);
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
         for number in 0..self.renders {
-            let sets = self.plan.prepare(number).map_err(CliError::failed)?;
-            progress.advance(self.plan.table_work())?;
-            let start = Instant::now();
-            let image = stage
-                .with_integral(|integral| render(&view, integral, self.estimator, &*sets, progress))
-                .map_err(CliError::failed)?;
-            seconds += start.elapsed().as_secs_f64();
+            let (image, time) = self.render(stage, &view, number, progress)?;
+            seconds += time;
             rays += image.rays;
             if let Some(errors) = &mut errors {
                 errors.push(&image).map_err(CliError::failed)?;
-            }
-            if image.n_hits() == 0 {
-                return Err(CliError::Failed(
-                    "the picture shows no surface: --eye, --look-at, --fov or --crop miss the scene"
-                        .to_owned(),
-                ));
             }
             picture.get_or_insert(image);
         }
         let picture =
             picture.ok_or_else(|| CliError::Usage("-m must be at least 1, got 0".to_owned()))?;
-        let errors = errors.zip(reference).map(|(errors, reference)| Errors {
+        let errors =
+            errors.zip(reference).map(|(errors, reference)| self.errors(&errors, reference));
+        Ok(Outcome { picture, errors, rays, seconds })
+    }
+
+    /// Returns the renders that a run of these tasks has; `None` if it keeps only a part of them.
+    pub(super) fn kept(
+        &self,
+        stage: &Stage,
+        tasks: &Tasks,
+        progress: &Progress,
+    ) -> Result<Option<KeptRenders>, CliError> {
+        self.set_stage(progress);
+        let view = stage.view()?;
+        let name = format!("{} {} N = {}", self.name.text, self.mode, self.plan.n_points());
+        let task = Divided { name: &name, count: self.renders, work: self.render_work(&view) };
+        tasks.divided(task, progress, KeptRenders::append, |numbers| {
+            let mut kept = KeptRenders::new(self.plan.n_points());
+            for number in numbers {
+                let (image, seconds) = self.render(stage, &view, number, progress)?;
+                kept.push(image, seconds);
+            }
+            Ok(kept)
+        })
+    }
+
+    fn set_stage(&self, progress: &Progress) {
+        progress.stage(&format!("{} N = {}", self.name.label, self.plan.n_points()));
+    }
+
+    /// Returns one render and the time of its rays.
+    fn render(
+        &self,
+        stage: &Stage,
+        view: &View<'_>,
+        number: u64,
+        progress: &Progress,
+    ) -> Result<(Image, f64), CliError> {
+        let sets = self.plan.prepare(number).map_err(CliError::failed)?;
+        progress.advance(self.plan.table_work())?;
+        let start = Instant::now();
+        let image = stage
+            .with_integral(|integral| render(view, integral, self.estimator, &*sets, progress))
+            .map_err(CliError::failed)?;
+        let seconds = start.elapsed().as_secs_f64();
+        if image.n_hits() == 0 {
+            return Err(CliError::Failed(
+                "the picture shows no surface: --eye, --look-at, --fov or --crop miss the scene"
+                    .to_owned(),
+            ));
+        }
+        Ok((image, seconds))
+    }
+
+    /// Returns the statistics of errors.
+    pub(super) fn errors(&self, errors: &RenderErrors<'_>, reference: &Image) -> Errors {
+        Errors {
             report: errors.report(),
             squared: errors.squared_errors(),
             white_noise: reference.white_noise_variance(self.plan.n_points()),
-        });
-        Ok(Outcome { picture, errors, rays, seconds })
+        }
     }
 }

@@ -6,22 +6,22 @@ mod folder;
 mod markdown;
 mod numbers;
 mod page;
+mod pieces;
 mod record;
 mod summary;
 mod tables;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_thesis::{
-    Figure, FigureId, Job, Results, Scale, Setting, Verdict, run as run_jobs, work,
-};
+use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, Verdict, run_pieces, work};
 
 use self::folder::{OutFolder, TABLES};
 use self::markdown::markdown;
+use self::pieces::Pieces;
 use self::record::{VerdictRecord, records};
 use self::summary::Summary;
 use self::tables::{CSV_HEADING, csv_rows, plain_table};
@@ -29,15 +29,18 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, csv};
+use crate::shards::ShardArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
   sphvar reproduce 4.14 7.4 --full -o out
+  sphvar reproduce all --full -o out --shard 3/16 --save third.shard     (for sphvar merge, which writes the folder)
 
 The folder receives index.html, one page with the summary, the errata, and every figure with its stated and measured \
 numbers; claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; and \
 pieces/, finished parts of the work. An interrupted run resumes where it stopped when started again, with the same \
-result. Full figures reuse the parts of quick ones, and figures share their ensembles.";
+result. Full figures reuse the parts of quick ones, and figures share their ensembles. A run with --shard I/K computes \
+every K-th piece and leaves the folder alone; with --save, pieces of earlier runs in the folder are not used.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArgs {
@@ -53,6 +56,8 @@ pub(crate) struct ReproduceArgs {
     /// Use the numbers of points and realizations of the thesis
     #[arg(long, conflicts_with = "quick")]
     full: bool,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 impl ReproduceArgs {
@@ -127,18 +132,34 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     let ids = args.ids()?;
     let setting = Setting { scale: args.scale(), seed: global.seed };
     let provenance = args.canonical(&ids, global.seed);
+    let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
+    let tasks = global.session.tasks();
+    if tasks.is_part() {
+        return keep_pieces(&jobs.concat(), setting, global);
+    }
     let folder = OutFolder::open(&args.out, &global.session)?;
     let store = folder.pieces()?;
+    let mut pieces = if args.sharding.save.is_some() || tasks.is_merge() {
+        Pieces::Tasks { tasks: tasks.clone(), store: Some(store), known: HashSet::new() }
+    } else {
+        Pieces::Stored(store)
+    };
 
-    let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
     let progress = Progress::new(work(&jobs.concat()), &global.session);
     let (mut results, mut drawn) = (Results::new(setting), Vec::new());
     for (&id, jobs) in ids.iter().zip(&jobs) {
         progress.stage(&format!("figure {id}"));
-        run_jobs(jobs, &store, &mut results, &progress).map_err(CliError::failed)?;
-        let figure = id.compose(&results).map_err(CliError::failed)?;
+        run_pieces(jobs, &mut results, |piece| pieces.bytes_of(piece, &progress))?;
+        if !jobs.iter().all(|job| results.contains(job)) {
+            global.session.say(&format!("figure {id} is left out: parts of its work are missing"));
+            continue;
+        }
+        let figure = id.compose(&results)?;
         let files = folder.write_panels(&figure, &provenance)?;
         drawn.push(Drawn { figure, files });
+    }
+    if drawn.is_empty() {
+        return Err(CliError::File("the given parts have no figure completely".to_owned()));
     }
     drop(progress);
 
@@ -160,6 +181,15 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     } else {
         global.session.print(&plain_table(&claims))
     }
+}
+
+/// Computes the pieces of one part of a run, which has no figures.
+fn keep_pieces(jobs: &[Job], setting: Setting, global: &Global) -> Result<(), CliError> {
+    let progress = Progress::new(work(jobs), &global.session);
+    progress.stage("pieces of figures");
+    let tasks = global.session.tasks().clone();
+    let mut pieces = Pieces::Tasks { tasks, store: None, known: HashSet::new() };
+    run_pieces(jobs, &mut Results::new(setting), |piece| pieces.bytes_of(piece, &progress))
 }
 
 impl FigureRecord {

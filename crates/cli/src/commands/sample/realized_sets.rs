@@ -5,9 +5,11 @@ use std::path::Path;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sphvar_samplers::PointSet;
 
 use super::SampleArgs;
+use super::kept_set::{KeptSet, restored};
 use crate::draws::{Draws, GivenSets};
 use crate::error::CliError;
 use crate::files::{AtomicFile, FilePoint, NumberedPath, write_points};
@@ -16,6 +18,7 @@ use crate::memory::check_memory;
 use crate::plots::{ImageFormat, PlotError};
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout};
+use crate::shards::Divided;
 
 /// Realizations of a pattern: `sample --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -52,13 +55,17 @@ pub(super) struct RealizedSets<'a, P> {
     pub(super) picture: DrawPoints<P>,
 }
 
-impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
-    /// Generates the sets, and writes them to the file of `args` or to standard output.
+impl<P> RealizedSets<'_, P>
+where
+    P: FilePoint<Numbers: Send + Serialize + DeserializeOwned + Into<P>>,
+{
+    /// Generates the sets, and writes them to the file of `args` or to standard output. Returns whether
+    /// they are written, which a run that keeps only a part of them does not do.
     ///
     /// # Errors
     ///
     /// If a set cannot be generated, the sets exceed the memory or a file cannot be written.
-    pub(super) fn write(self, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
+    pub(super) fn write(self, args: &SampleArgs, global: &Global) -> Result<bool, CliError> {
         let draws = self.draws;
         let (realizations, given) = match (args.realizations, draws.n_given()) {
             (None, Some(n_given)) => (n_given, GivenSets::InOrder),
@@ -72,16 +79,20 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
             AtomicFile::check(&path)?;
         }
         let n_points = draws.n_points();
-        let total = (size_of::<P>() * n_points) as f64 * realizations as f64;
-        check_memory(&format!("{realizations} sets of {n_points} points"), total)?;
-        let sets = self.realize(realizations as u64, given, global)?;
+        let of_run = (realizations as u64).div_ceil(global.session.tasks().part().parts);
+        let total = (size_of::<P>() * n_points) as f64 * of_run as f64;
+        check_memory(&format!("{of_run} sets of {n_points} points"), total)?;
+        let Some((numbers, sets)) = self.realize(realizations as u64, given, global)? else {
+            return Ok(false);
+        };
+        let realizations = sets.len();
         let provenance = Provenance::new(&global.session, global.seed);
         let line = provenance.line();
         let note = draws.remark.as_ref().map_or(line.clone(), |remark| format!("{line}; {remark}"));
         let to_stdout = is_stdout(&args.out);
         if let Some(numbered) = numbered {
-            for (i, set) in sets.iter().enumerate() {
-                self.write_sets(&numbered.path(i), std::slice::from_ref(set), &note)?;
+            for (&number, set) in numbers.iter().zip(&sets) {
+                self.write_sets(&numbered.path(number), std::slice::from_ref(set), &note)?;
             }
         } else if !(to_stdout && global.json) {
             if ImageFormat::of_path(&args.out).is_some() && realizations > 1 {
@@ -107,28 +118,36 @@ impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
                 points,
                 weights,
             };
-            return Document::new(&body, &provenance).print(&global.session);
+            Document::new(&body, &provenance).print(&global.session)?;
         }
-        Ok(())
+        Ok(true)
     }
 
-    /// Returns the sets with the indices from 0.
+    /// Returns the sets and their numbers, from 0; `None` if this run keeps only a part of them.
     fn realize(
         &self,
         count: u64,
         given: GivenSets,
         global: &Global,
-    ) -> Result<Vec<PointSet<P>>, CliError> {
+    ) -> Result<Option<(Vec<usize>, Vec<PointSet<P>>)>, CliError> {
         let draws = self.draws;
-        let set_work = if given == GivenSets::InOrder { 0.0 } else { draws.nominal_work() };
-        let progress = Progress::with_expected_time(count as f64 * set_work, &global.session);
+        let work = if given == GivenSets::InOrder { 0.0 } else { draws.nominal_work() };
+        let progress = Progress::with_expected_time(count as f64 * work, &global.session);
         progress.stage(&draws.label);
-        let realize = |i| {
+        let realize = |number| {
             let mut set = PointSet::default();
-            draws.realize_into(i, given, &mut set, &progress).map_err(CliError::failed)?;
-            Ok(set)
+            draws.realize_into(number, given, &mut set, &progress).map_err(CliError::failed)?;
+            Ok(KeptSet::new(number, set))
         };
-        (0..count).into_par_iter().map(realize).collect()
+        let append = |sets: &mut Vec<_>, others: Vec<_>| {
+            sets.extend(others);
+            Ok(())
+        };
+        let task = Divided { name: &draws.sampler, count, work };
+        let sets = global.session.tasks().divided(task, &progress, append, |numbers| {
+            numbers.into_par_iter().map(realize).collect::<Result<Vec<_>, CliError>>()
+        })?;
+        sets.map(|sets| restored(sets, count)).transpose()
     }
 
     /// Writes all sets, or a picture of the first one.
