@@ -109,12 +109,11 @@ impl Command {
     pub(crate) fn sharding(&self) -> Option<&ShardArgs> {
         match self {
             Self::Compare(args) => Some(&args.effort.sharding),
-            Self::Spectrum(args) => Some(&args.sharding),
-            Self::Variance(args) => Some(&args.effort.sharding),
-            Self::Sample(args) => Some(&args.sharding),
-            Self::Spectrum(args) => Some(&args.sharding),
             Self::Render(args) => Some(&args.sharding),
             Self::Reproduce(args) => Some(&args.sharding),
+            Self::Sample(args) => Some(&args.sharding),
+            Self::Spectrum(args) => Some(&args.sharding),
+            Self::Variance(args) => Some(&args.effort.sharding),
             _ => None,
         }
     }
