@@ -5,9 +5,10 @@ use sphvar_integrands::VectorIntegrand;
 use sphvar_samplers::{Progress, Purpose, Sampler, Stopped};
 
 use crate::estimates::{SharedTrials, shared_estimates};
-use crate::predictor::predict_together;
+use crate::predictor::{predict_from_sums, predict_together, sums_together};
 use crate::{
-    Comparison, Error, Experiment, Measurement, PredictedPoint, Prediction, Predictor, Trials,
+    Comparison, Error, Experiment, Measurement, PredictedPoint, Prediction, PredictionBudget,
+    PredictionSums, Predictor, Trials,
 };
 
 /// Predicts and measures several variances for the same point sets: one for each component of a
@@ -121,6 +122,41 @@ impl<'a> JointTrials<'a> {
             self.parts.iter_mut().map(|part| &mut part.predictor).collect();
         let Some(budget) = predictors.first().map(|p| p.budget()) else { return Ok(Vec::new()) };
         predict_together(&mut predictors, budget, sampler, progress)
+    }
+
+    /// Returns the sums over some realizations of a sampler, from which [`Self::predict_from`] predicts
+    /// variances. Of all realizations that the user chose
+    /// ([`fixed_realizations`](crate::PredictorOn::fixed_realizations)), the predictions are those of
+    /// [`Self::predict`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::predict`].
+    pub fn prediction_sums(
+        &mut self,
+        sampler: &dyn Sampler,
+        realizations: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<PredictionSums, Error> {
+        let mut predictors: Vec<&mut Predictor<'_>> = self.predictors().collect();
+        let budget = predictors.first().map_or(PredictionBudget::DEFAULT, |p| p.budget());
+        sums_together(&mut predictors, budget, sampler, realizations, progress)
+    }
+
+    /// Returns the predictions from [`Self::prediction_sums`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::predict`] that occur without a realization, and an error
+    /// for sums of no realizations.
+    pub fn predict_from(
+        &mut self,
+        sampler: &dyn Sampler,
+        sums: &PredictionSums,
+    ) -> Result<Vec<PredictedPoint>, Error> {
+        let mut predictors: Vec<&mut Predictor<'_>> = self.predictors().collect();
+        let budget = predictors.first().map_or(PredictionBudget::DEFAULT, |p| p.budget());
+        predict_from_sums(&mut predictors, budget, sampler, sums)
     }
 
     /// Computes the energies that [`Self::predict`] needs for a sampler.

@@ -84,7 +84,7 @@ pub use predicted_curve::{PredictedCurve, interpolate_variance};
 pub use predicted_point::{PredictedPoint, PredictedVariance};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use prediction_budget::{PredictionBudget, SpectrumOptions};
-pub use predictor::{Predictor, PredictorOn};
+pub use predictor::{PredictionSums, Predictor, PredictorOn};
 pub use progressive::{
     Factors, PrefixMeasurement, PrefixVariances, ProgressiveCurve, ProgressivePoint,
     ProgressivePredictor, ProgressiveSpace, Randomized,

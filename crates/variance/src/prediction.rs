@@ -1,7 +1,7 @@
 use sphvar_sh::{Bands, ByParity, TailClasses};
 use sphvar_spectrum::{Accumulator, ClassMoments, Moments, Realization, SpectralBands, Spectrum};
 
-use crate::error_moments::ErrorMoments;
+use crate::error_moments::{ErrorTerms, PowerMoments};
 use crate::student_quantile;
 use sphvar_integrands::{Energy, EnergyErrors};
 
@@ -284,6 +284,19 @@ fn first_of_shell(bands: &impl Bands, wanted: usize, last: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct PredictionAccumulator<T = ByParity> {
     weights: Weights<T>,
+    /// Of estimated energies.
+    errors: Option<ErrorTerms<T>>,
+    sums: PredictionMoments<T>,
+}
+
+/// The sums over realizations of a [`PredictionAccumulator`], without the integrand's energies.
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: TailClasses")
+)]
+pub(crate) struct PredictionMoments<T> {
     /// Moments of the variance relative to that of white noise.
     moments: Moments,
     /// Moments of `r = n_points/N_eff`.
@@ -292,8 +305,24 @@ pub struct PredictionAccumulator<T = ByParity> {
     tail: ClassMoments<T>,
     /// Moments of r times the power in the windows of each class.
     windows: Vec<Vec<Moments>>,
-    /// Of estimated energies.
-    errors: Option<ErrorMoments<T>>,
+    /// With estimated energies.
+    power: Option<PowerMoments<T>>,
+}
+
+impl<T: TailClasses> PredictionMoments<T> {
+    /// Adds the realizations of `other`.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.moments.merge(&other.moments);
+        self.relative.merge(&other.relative);
+        self.tail.merge(&other.tail);
+        if let (Some(mine), Some(theirs)) = (&mut self.power, &other.power) {
+            mine.merge(theirs);
+        }
+        let windows = self.windows.iter_mut().flatten().zip(other.windows.iter().flatten());
+        for (mine, theirs) in windows {
+            mine.merge(theirs);
+        }
+    }
 }
 
 impl<T: TailClasses> PredictionAccumulator<T> {
@@ -303,41 +332,53 @@ impl<T: TailClasses> PredictionAccumulator<T> {
     pub fn new<B: Bands<Tail = T>>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let weights = Weights::new(energy, n_points, last);
         let windows = weights.of_windows(|_| Moments::default());
-        let errors = ErrorMoments::new(energy, n_points, weights.per_band.len());
-        Self {
-            weights,
+        let errors = ErrorTerms::new(energy, n_points);
+        let sums = PredictionMoments {
             moments: Moments::default(),
             relative: Moments::default(),
             tail: ClassMoments::default(),
             windows,
-            errors,
-        }
+            power: errors.as_ref().map(|_| PowerMoments::new(weights.per_band.len())),
+        };
+        Self { weights, errors, sums }
+    }
+
+    /// Returns the sums over the realizations.
+    pub(crate) fn into_sums(self) -> PredictionMoments<T> {
+        self.sums
+    }
+
+    /// Adds realizations that were added to another accumulator of the same integrand.
+    pub(crate) fn add(&mut self, sums: &PredictionMoments<T>) {
+        self.sums.merge(sums);
     }
 
     /// Returns the prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
         // Realizations count as in the variance, by 1/N_eff, so powers are means with these weights.
-        let relative = self.relative.mean();
+        let sums = &self.sums;
+        let relative = sums.relative.mean();
         let scale = self.weights.scale * relative;
-        let tail = self.tail.mean().map(|power| power / relative);
+        let tail = sums.tail.mean().map(|power| power / relative);
         let mean = |moments: &Moments| moments.mean() / relative;
-        let windows: Vec<_> = self.windows.iter().map(|w| w.iter().map(mean).collect()).collect();
+        let windows: Vec<_> = sums.windows.iter().map(|w| w.iter().map(mean).collect()).collect();
         let prediction = Prediction {
-            variance: self.weights.scale * self.moments.mean(),
+            variance: self.weights.scale * sums.moments.mean(),
             stderr: self.spectrum_stderr(),
             energy_stderr: 0.0,
             tail: scale * self.weights.tail.dot(tail),
             tail_error: scale * self.weights.tail_error(&windows, tail),
-            dof: self.moments.count().saturating_sub(1) as f64,
+            dof: sums.moments.count().saturating_sub(1) as f64,
         };
-        let energy_stderr = self.errors.as_ref().map_or(0.0, ErrorMoments::energy_stderr);
+        let errors = self.errors.as_ref().zip(sums.power.as_ref());
+        let energy_stderr = errors.map_or(0.0, |(errors, power)| errors.energy_stderr(power));
         prediction.with_energy_stderr(energy_stderr)
     }
 
     /// Returns the standard error due to that of the spectrum alone.
     pub(crate) fn spectrum_stderr(&self) -> f64 {
-        self.weights.scale * self.moments.standard_error()
+        self.weights.scale * self.sums.moments.standard_error()
     }
 
     /// Adds one realization: its effective number of points, the power of every band from 0, and
@@ -346,14 +387,15 @@ impl<T: TailClasses> PredictionAccumulator<T> {
         let has_tail = self.weights.tail.sum() > 0.0 || self.errors.is_some();
         let tail = if has_tail { tail() } else { T::default() };
         let relative = self.weights.n_points / n_effective;
-        self.moments.push(relative * self.weights.apply(powers, tail));
-        if let Some(errors) = &mut self.errors {
-            errors.push(relative, powers, tail);
+        let sums = &mut self.sums;
+        sums.moments.push(relative * self.weights.apply(powers, tail));
+        if let Some(power) = &mut sums.power {
+            power.push(relative, powers, tail);
         }
-        self.relative.push(relative);
-        self.tail.push(tail.map(|power| relative * power));
+        sums.relative.push(relative);
+        sums.tail.push(tail.map(|power| relative * power));
         let windows = self.weights.windows.iter().flatten();
-        for (moments, window) in self.windows.iter_mut().flatten().zip(windows) {
+        for (moments, window) in sums.windows.iter_mut().flatten().zip(windows) {
             moments.push(relative * window.mean(powers));
         }
     }
@@ -366,15 +408,6 @@ impl<B: SpectralBands> Accumulator<B> for PredictionAccumulator<B::Tail> {
     }
 
     fn merge(&mut self, other: &Self) {
-        self.moments.merge(&other.moments);
-        self.relative.merge(&other.relative);
-        self.tail.merge(&other.tail);
-        if let (Some(mine), Some(theirs)) = (&mut self.errors, &other.errors) {
-            mine.merge(theirs);
-        }
-        let windows = self.windows.iter_mut().flatten().zip(other.windows.iter().flatten());
-        for (mine, theirs) in windows {
-            mine.merge(theirs);
-        }
+        self.sums.merge(&other.sums);
     }
 }

@@ -16,7 +16,10 @@ use crate::{Error, PredictedPoint, Prediction, PredictionBudget, SpectrumOptions
 use sphvar_integrands::{Energy, EnergyErrors};
 
 pub(crate) use self::sphere::negligible;
-pub(crate) use self::together::{Sums, predict as predict_together, predict_from_sets};
+pub use self::together::PredictionSums;
+pub(crate) use self::together::{
+    Sums, predict as predict_together, predict_from_sets, predict_from_sums, sums as sums_together,
+};
 pub(crate) use self::white_noise::ROUNDING;
 
 /// Predicts the variance of integrating one function over the sphere or the hemisphere with any
@@ -220,6 +223,13 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
             }
         }
         Ok(())
+    }
+
+    /// Returns the number of realizations of the sampler from which a variance is predicted, if that is
+    /// the user's choice ([`SpectrumOptions`]) and the sampler is random.
+    #[must_use]
+    pub fn fixed_realizations(&self, sampler: S::SamplerRef<'_>) -> Option<u64> {
+        self.options.realizations.filter(|_| S::distribution(sampler).is_random())
     }
 
     /// Returns the maximum nominal work of a prediction.

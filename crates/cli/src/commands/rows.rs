@@ -6,10 +6,10 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Progress as _, Sampler, Share};
-use sphvar_spectrum::{Method, Resolution};
+use sphvar_spectrum::{Method, Resolution, SpectrumAccumulator};
 use sphvar_variance::{
     Comparison, Experiment, IntegrationSpace, JointTrials, LargestSeen, Precision, PredictedPoint,
-    Prediction, PredictionBudget, Predictor, PredictorOn, SpectrumOptions, Trials,
+    Prediction, PredictionBudget, PredictionSums, Predictor, PredictorOn, SpectrumOptions, Trials,
     WarpedExperiment, check_degree as check_settled, prediction_degree, settled_degree, trial_work,
 };
 
@@ -562,10 +562,13 @@ impl Plan<'_> {
         progress: &Progress,
     ) -> Result<Vec<Row>, CliError> {
         let (name, sampler) = (case.name(), case.sampler());
-        let predicted = if self.effort.is_predicted() {
-            self.effort.predicted(&name, || self.predict(joint, case, progress))?
-        } else {
-            Some(vec![Predicted::default(); self.integrals.all().len()])
+        let fixed = joint.predictors().next().and_then(|p| p.fixed_realizations(sampler));
+        let predicted = match fixed {
+            _ if !self.effort.is_predicted() => {
+                Some(vec![Predicted::default(); self.integrals.all().len()])
+            }
+            Some(count) => self.predict_from(count, joint, case, progress)?,
+            None => self.effort.predicted(&name, || self.predict(joint, case, progress))?,
         };
         let trials = self.effort.trials_of::<Domain>(sampler);
         let estimates = match trials.until {
@@ -618,11 +621,64 @@ impl Plan<'_> {
         {
             point.spectrum = predictor.spectrum_to(case.sampler(), point, &natural)?;
         }
+        Ok(self.in_rows(case, &points))
+    }
+
+    /// Returns what rows contain of the predictions for a random pattern from a number of realizations,
+    /// which this run may have only in part.
+    fn predict_from(
+        &self,
+        count: u64,
+        joint: &mut JointTrials<'_>,
+        case: &Case,
+        progress: &Progress,
+    ) -> Result<Option<Vec<Predicted>>, CliError> {
+        let (sampler, tasks) = (case.sampler(), self.effort.session.tasks());
+        let work = joint.work(sampler)? / count.max(1) as f64;
+        let name = format!("spectrum of {}", case.name());
+        let task = Divided { name: &name, count, work };
+        let append = |sums: &mut PredictionSums, next: PredictionSums| Ok(sums.merge(&next)?);
+        let sums = tasks.divided(task, progress, append, |range| {
+            let share = self.effort.share(progress, work * (range.end - range.start) as f64);
+            let sums = joint.prediction_sums(sampler, range, &share)?;
+            share.finish().map_err(CliError::failed)?;
+            Ok(sums)
+        })?;
+        let natural = Resolution::natural_degree(case.n_points());
+        let Some(predictor) = joint.predictors().last() else { return Err(missing_count()) };
+        let is_extended = self.effort.whole_spectra
+            && self.effort.spectra.lmax.is_none()
+            && predictor.spectrum_degree(sampler)? < natural;
+        let shown = if is_extended {
+            let name = format!("{name} to degree {natural}");
+            let task = Divided { name: &name, count, work };
+            let append = |sums: &mut SpectrumAccumulator, next| Ok(sums.try_merge(&next)?);
+            let compute = |range| Ok(predictor.spectrum_sums(sampler, natural, range, &())?);
+            Some(tasks.divided(task, progress, append, compute)?)
+        } else {
+            None
+        };
+        let Some(sums) = sums else { return Ok(None) };
+        let mut points = joint.predict_from(sampler, &sums)?;
+        match shown {
+            Some(None) => return Ok(None),
+            Some(Some(shown)) => {
+                if let Some(point) = points.last_mut() {
+                    point.spectrum = shown.finish()?;
+                }
+            }
+            None => {}
+        }
+        Ok(Some(self.in_rows(case, &points)))
+    }
+
+    /// Returns what the rows of a case contain of its predictions.
+    fn in_rows(&self, case: &Case, points: &[PredictedPoint]) -> Vec<Predicted> {
         let named = points.iter().zip(self.integrals.in_rows());
         let predicted = named.map(|(point, integral)| {
             case.predicted(point, self.effort.whole_spectra && integral.is_main)
         });
-        Ok(predicted.collect())
+        predicted.collect()
     }
 
     /// Returns the maximum degree that a spectrum needs.

@@ -84,7 +84,6 @@ const REALIZATIONS: u64 = 100;
 
 #[derive(Debug, Args)]
 #[command(
-    mut_arg("save", |save| save.conflicts_with("exact")),
     mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))),
     mut_arg("kmax", |kmax| kmax.help(kmax_help(&natural_degree_in_words())))
 )]
@@ -321,7 +320,7 @@ pub(crate) fn compute(
     Ok(Some(Computed { name, spectrum, remarks, sums: Some(sums), seconds, orders, coefficient }))
 }
 
-/// Computes the spectrum in closed form.
+/// Computes the spectrum in closed form; `None` if another part has it.
 fn compute_exact(
     args: &SpectrumArgs,
     global: &Global,
@@ -337,7 +336,8 @@ fn compute_exact(
     let name = pattern.to_string();
     let progress = Progress::new(exact.work(lmax), &global.session);
     progress.stage(&name);
-    let spectrum = exact.to(lmax, &progress)?;
+    let spectrum = global.session.tasks().once(&name, || Ok(exact.to(lmax, &progress)?))?;
+    let Some(spectrum) = spectrum else { return Ok(None) };
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     let weights = WeightSums::of_sampler(sampler)?;

@@ -79,6 +79,7 @@ fn merged_comparisons_have_the_files_of_one_run() {
     for mode in [
         "jittered,fibonacci,sobol:warp=uniform -n 12,48 --integrand env:map.exr -m 11",
         "jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 11",
+        "jittered,white-noise -n 12 --integrand ylm:l=2,m=0 -m 11 --spectrum-realizations 8",
     ] {
         let place = place();
         let run = format!("compare {mode} -o results");
@@ -131,4 +132,22 @@ fn what_cannot_be_divided_says_so() {
         .fails(2, &["choose stops by itself", "compare", "variance"]);
     place.run(&format!("{run} --shard 1/2")).fails(2, &["--save"]);
     assert!(place.names().is_empty(), "{:?}", place.names());
+}
+
+/// A spectrum in closed form is a task of one part.
+#[test]
+fn exact_spectra_are_computed_by_one_part() {
+    for (mode, columns) in [
+        ("spectrum jittered -n 48 --exact --lmax 12", &["power", "stderr", "l"][..]),
+        ("spectrum jittered-square --square -n 16 --exact --kmax 6", &["power", "k1"][..]),
+    ] {
+        let place = Workplace::new();
+        let whole = place.run(&format!("{mode} --json")).json();
+        let files = parts(&place, mode, 3);
+        let merged = place.run(&format!("merge {files} --json")).json();
+        for column in columns {
+            assert!(!whole[column].is_null(), "{mode}: {column}");
+            assert_eq!(merged[column], whole[column], "{mode}: {column}");
+        }
+    }
 }

@@ -1,11 +1,14 @@
 //! Predictions on the sphere and the hemisphere.
 
-use sphvar_samplers::{Domain, Sampler, SetDistribution};
+use std::ops::Range;
+
+use sphvar_samplers::{Domain, Progress, Purpose, Sampler, SetDistribution};
 use sphvar_sh::{ByParity, MAX_DEGREE};
-use sphvar_spectrum::Resolution;
+use sphvar_spectrum::{Resolution, SpectrumAccumulator};
 
 use super::Predictor;
 use crate::degree::degree_limit;
+use crate::space::IntegrationSpace;
 use crate::{Error, PredictionBudget, SpectrumOptions, prediction_degree};
 use sphvar_integrands::{Energy, Integrand};
 
@@ -36,6 +39,34 @@ impl<'a> Predictor<'a> {
         budget: PredictionBudget,
     ) -> Result<Self, Error> {
         Self::in_space(integrand, domain, seed, budget)
+    }
+
+    /// Returns the degree to which the spectrum of a sampler is computed for a prediction.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
+    pub fn spectrum_degree(&mut self, sampler: &dyn Sampler) -> Result<usize, Error> {
+        self.extent(self.budget(), sampler)
+    }
+
+    /// Returns the sums of the spectrum to degree `lmax` over some of the realizations of a prediction.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`].
+    pub fn spectrum_sums(
+        &self,
+        sampler: &dyn Sampler,
+        lmax: usize,
+        realizations: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<SpectrumAccumulator, Error> {
+        let sets = self.realizations(Purpose::Pattern, sampler);
+        let n_points = sampler.n_points();
+        let empty = (self.space().empty_spectrum(n_points, &lmax)?, Vec::new());
+        let size = (n_points, &lmax);
+        Ok(Domain::accumulate(&sets, self.options(), size, realizations, &empty, progress)?.0)
     }
 
     /// Returns the domain of the integral.

@@ -1,10 +1,13 @@
 //! Predictions for several integrands from the same spectra.
 
-use sphvar_samplers::{PointSet, Progress, Purpose};
-use sphvar_sh::Bands;
+use std::ops::Range;
+
+use sphvar_samplers::{Domain, PointSet, Progress, Purpose, Sampler};
+use sphvar_sh::{Bands, ByParity};
 use sphvar_spectrum::{Accumulator, SpectrumAccumulator};
 
-use super::PredictorOn;
+use super::{Predictor, PredictorOn};
+use crate::prediction::PredictionMoments;
 use crate::route::Route;
 use crate::space::IntegrationSpace;
 use crate::{
@@ -24,31 +27,144 @@ pub(crate) fn predict<S: IntegrationSpace>(
     sampler: S::SamplerRef<'_>,
     progress: &dyn Progress,
 ) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
-    let extents =
-        predictors.iter_mut().map(|p| p.extent(budget, sampler)).collect::<Result<Vec<_>, _>>()?;
+    let extents = extents(predictors, budget, sampler)?;
     let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
-    for first in 0..predictors.len() {
-        if points[first].is_some() {
-            continue;
-        }
-        let extent = &extents[first];
-        let members: Vec<usize> =
-            (first..predictors.len()).filter(|&i| extents[i] == *extent).collect();
-        let mut group: Vec<&mut PredictorOn<'_, S>> = Vec::new();
-        for (i, predictor) in predictors.iter_mut().enumerate() {
-            if members.contains(&i) {
-                group.push(predictor);
-            }
-        }
+    for members in groups(&extents) {
+        let extent = &extents[members[0]];
+        let mut group = select(predictors, &members);
         let found = to_extent(&mut group, budget, sampler, extent, progress)?;
-        for ((i, predictor), mut point) in members.into_iter().zip(group).zip(found) {
-            point.prediction.tail_error += S::hidden_tail(predictor, sampler, extent)?;
-            if point.prediction.variance <= predictor.rounding() {
-                let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
-                (*variance, *stderr) = (0.0, *energy_stderr);
-            }
-            points[i] = Some(point);
+        place(&mut points, &members, group, found, (sampler, extent))?;
+    }
+    Ok(points.into_iter().flatten().collect())
+}
+
+/// Returns how far the spectrum of each predictor is computed.
+fn extents<S: IntegrationSpace>(
+    predictors: &mut [&mut PredictorOn<'_, S>],
+    budget: PredictionBudget,
+    sampler: S::SamplerRef<'_>,
+) -> Result<Vec<S::Extent>, Error> {
+    predictors.iter_mut().map(|p| p.extent(budget, sampler)).collect()
+}
+
+/// Returns the numbers of the predictors with equal extents, none of which is empty.
+fn groups<E: PartialEq>(extents: &[E]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (i, extent) in extents.iter().enumerate() {
+        match groups.iter_mut().find(|group| extents[group[0]] == *extent) {
+            Some(group) => group.push(i),
+            None => groups.push(vec![i]),
         }
+    }
+    groups
+}
+
+/// Returns the predictors with these numbers.
+fn select<'p, 'a, S: IntegrationSpace>(
+    predictors: &'p mut [&mut PredictorOn<'a, S>],
+    members: &[usize],
+) -> Vec<&'p mut PredictorOn<'a, S>> {
+    let numbered = predictors.iter_mut().enumerate();
+    numbered.filter(|(i, _)| members.contains(i)).map(|(_, predictor)| &mut **predictor).collect()
+}
+
+/// Puts the predictions of a group in their places, with the parts of the error that spectra do not
+/// show.
+fn place<S: IntegrationSpace>(
+    points: &mut [Option<PredictedPoint<S::Bands>>],
+    members: &[usize],
+    group: Vec<&mut PredictorOn<'_, S>>,
+    found: Vec<PredictedPoint<S::Bands>>,
+    (sampler, extent): (S::SamplerRef<'_>, &S::Extent),
+) -> Result<(), Error> {
+    for ((&i, predictor), mut point) in members.iter().zip(group).zip(found) {
+        point.prediction.tail_error += S::hidden_tail(predictor, sampler, extent)?;
+        if point.prediction.variance <= predictor.rounding() {
+            let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
+            (*variance, *stderr) = (0.0, *energy_stderr);
+        }
+        points[i] = Some(point);
+    }
+    Ok(())
+}
+
+/// Sums over realizations of a sampler from which predictions follow: of the spectra to each degree,
+/// and of the variances of the integrands with this degree.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PredictionSums {
+    groups: Vec<(SpectrumAccumulator, Vec<PredictionMoments<ByParity>>)>,
+}
+
+impl PredictionSums {
+    /// Adds the realizations of other sums for the same sampler and integrands exactly.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Spectrum`] if the sums are of other spectra.
+    pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
+        let counts =
+            |sums: &Self| sums.groups.iter().map(|group| group.1.len()).collect::<Vec<_>>();
+        let (left, right) = (counts(self), counts(other));
+        if left != right {
+            let what = "numbers of integrands";
+            let [left, right] = [left, right].map(|counts| format!("{counts:?}"));
+            return Err(sphvar_spectrum::Error::Mismatch { what, left, right }.into());
+        }
+        for (mine, theirs) in self.groups.iter_mut().zip(&other.groups) {
+            mine.0.try_merge(&theirs.0)?;
+            mine.1.iter_mut().zip(&theirs.1).for_each(|(mine, theirs)| mine.merge(theirs));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the sums over some realizations.
+pub(crate) fn sums(
+    predictors: &mut [&mut Predictor<'_>],
+    budget: PredictionBudget,
+    sampler: &dyn Sampler,
+    realizations: Range<u64>,
+    progress: &dyn Progress,
+) -> Result<PredictionSums, Error> {
+    let extents = extents(predictors, budget, sampler)?;
+    let n_points = sampler.n_points();
+    let mut sums = Vec::new();
+    for members in groups(&extents) {
+        let extent = &extents[members[0]];
+        let mut group = select(predictors, &members);
+        let empty = accumulators(&mut group, n_points, extent)?;
+        let Some(first) = group.first() else { continue };
+        let sets = first.realizations(Purpose::Pattern, sampler);
+        let (options, size) = (first.options, (n_points, extent));
+        let (spectrum, predictions) =
+            Domain::accumulate(&sets, &options, size, realizations.clone(), &empty, progress)?;
+        let moments = predictions.into_iter().map(PredictionAccumulator::into_sums);
+        sums.push((spectrum, moments.collect()));
+    }
+    Ok(PredictionSums { groups: sums })
+}
+
+/// Returns the predictions from sums, those of [`predict`] for as many realizations.
+pub(crate) fn predict_from_sums(
+    predictors: &mut [&mut Predictor<'_>],
+    budget: PredictionBudget,
+    sampler: &dyn Sampler,
+    sums: &PredictionSums,
+) -> Result<Vec<PredictedPoint>, Error> {
+    let extents = extents(predictors, budget, sampler)?;
+    let mut points: Vec<Option<PredictedPoint>> = vec![None; predictors.len()];
+    for (members, (spectrum, moments)) in groups(&extents).iter().zip(&sums.groups) {
+        let extent = &extents[members[0]];
+        let mut group = select(predictors, members);
+        let (_, mut predictions) = accumulators(&mut group, sampler.n_points(), extent)?;
+        let spectrum = spectrum.finish()?;
+        let found = predictions.iter_mut().zip(moments).map(|(prediction, moments)| {
+            prediction.add(moments);
+            PredictedPoint { spectrum: spectrum.clone(), prediction: prediction.finish() }
+        });
+        let found = found.collect();
+        place(&mut points, members, group, found, (sampler, extent))?;
     }
     Ok(points.into_iter().flatten().collect())
 }

@@ -10,7 +10,8 @@ use sphvar_integrands::{
 use sphvar_samplers::{Domain, Pattern, Progress, Sampler, Stopped};
 use sphvar_sh::{GaussLegendre, real_ylm_at};
 use sphvar_variance::{
-    Comparison, JointTrials, Precision, PredictionBudget, Predictor, Trials, measure_components,
+    Comparison, JointTrials, Precision, PredictionBudget, Predictor, SpectrumOptions, Trials,
+    measure_components,
 };
 
 const SEED: u64 = 7;
@@ -65,6 +66,48 @@ fn joint_results_are_bit_identical_to_single_ones() {
             }
         }
     }
+}
+
+/// Sums and estimates of ranges give the predictions and comparisons of one run.
+#[test]
+fn ranges_of_realizations_and_trials_are_bit_identical_to_all_at_once() {
+    let map = map();
+    let probe = HarmonicProjection::new(&map, 1).unwrap();
+    let irradiance = probe.irradiance();
+    let coefficient = probe.coefficient(1, 0).unwrap();
+    let joint = |realizations| {
+        let options = SpectrumOptions { realizations, ..SpectrumOptions::default() };
+        JointTrials::new(&probe)
+            .with_component(2, predictor(&coefficient).with_options(options))
+            .with_vector(0..4, irradiance.weights(), predictor(&irradiance).with_options(options))
+    };
+    let jittered = build("jittered", 48);
+    let fixed = |name: &str, realizations| {
+        let mut joint = joint(realizations);
+        joint.predictors().next().unwrap().fixed_realizations(&*build(name, 48))
+    };
+    assert_eq!([fixed("jittered", None), fixed("fibonacci", Some(9))], [None; 2]);
+    assert_eq!(fixed("jittered", Some(9)), Some(9));
+    let mut whole = joint(Some(9));
+    let points = whole.predict(&*jittered, &()).unwrap();
+    let predictions: Vec<_> = points.iter().map(|point| point.prediction).collect();
+    let expected = whole.measure(&predictions, &*jittered, Trials::new(30), &()).unwrap();
+    // Parts compute the last ranges first, and another process puts them together.
+    let part = |range| joint(Some(9)).prediction_sums(&*jittered, range, &()).unwrap();
+    let mut sums = part(5..9);
+    sums.merge(&part(0..5)).unwrap();
+    let got = joint(Some(9)).predict_from(&*jittered, &sums).unwrap();
+    assert_eq!(got, points);
+    let experiments = whole.experiments(&*jittered);
+    let range = |range| joint(None).estimates(&*jittered, range, &()).unwrap();
+    let estimates = [range(0..7), range(7..30)].concat();
+    let got = joint(None).comparisons(&experiments, &predictions, &estimates);
+    assert_eq!(format!("{got:?}"), format!("{expected:?}"));
+    // Sums of other integrands are an error, not a panic.
+    let mut other = JointTrials::new(&probe).with_component(2, predictor(&coefficient));
+    let mut other = other.prediction_sums(&*jittered, 0..2, &()).unwrap();
+    let error = other.merge(&sums).unwrap_err().to_string();
+    assert!(error.contains("numbers of integrands"), "{error}");
 }
 
 /// The squared error of the irradiance of every trial, integrated over normals by a quadrature,

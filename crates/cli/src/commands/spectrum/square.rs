@@ -110,6 +110,7 @@ pub(crate) fn compute(
         && args.exact
     {
         let result = exact(pattern, &**sampler, &frequencies, global)?;
+        let Some(result) = result else { return Ok(None) };
         let weights = WeightSums::of_square_sampler(&**sampler);
         let remarks = Remarks { weights, ..Remarks::default() };
         let seconds = started.elapsed().as_secs_f64();
@@ -122,24 +123,26 @@ pub(crate) fn compute(
     Ok(Some(SquareComputed { name, result, remarks, sums: Some(sums), seconds }))
 }
 
-/// Computes the spectrum in closed form.
+/// Computes the spectrum in closed form; `None` if another part has it.
 fn exact(
     pattern: &SquarePattern,
     sampler: &dyn SquareSampler,
     frequencies: &Frequencies,
     global: &Global,
-) -> Result<SquareResult, CliError> {
+) -> Result<Option<SquareResult>, CliError> {
     let exact = ExactSquareSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
     let kmax = frequencies.kmax();
     let bytes = exact.bytes(frequencies, rayon::current_num_threads());
     check_memory(&format!("a spectrum to frequency {kmax} (--kmax)"), bytes)?;
     let progress = Progress::new(exact.work(frequencies), &global.session);
-    progress.stage(&pattern.to_string());
-    let spectrum = exact.to(frequencies, &progress)?;
+    let name = pattern.to_string();
+    progress.stage(&name);
+    let compute = || Ok(exact.to(frequencies, &progress)?);
+    let Some(spectrum) = global.session.tasks().once(&name, compute)? else { return Ok(None) };
     let is_transformed =
         matches!(sampler.distribution(), SquareDistribution::Fixed | SquareDistribution::OneOf(_));
     let spectrum = if is_transformed { spectrum.without_rounding() } else { spectrum };
-    Ok(SquareResult::exact(spectrum))
+    Ok(Some(SquareResult::exact(spectrum)))
 }
 
 /// Estimates the spectrum from sets.
