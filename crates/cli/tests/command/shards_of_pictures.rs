@@ -126,7 +126,7 @@ fn a_study_in_parts_has_the_bytes_of_one_run_in_every_form() {
     let [whole, merged] = [Workplace::new(), Workplace::new()];
     let document = without_times(whole.run(&format!("{STUDY} --cache none --json")).json());
     for form in ["s.csv", "s.svg"] {
-        whole.run(&format!("{STUDY} --cache none --out {form}")).ok();
+        whole.run(&format!("{STUDY} --cache none -o {form}")).ok();
     }
     for count in [1, 3, 16] {
         let run = format!("{STUDY} --cache none");

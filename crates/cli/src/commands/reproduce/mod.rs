@@ -137,29 +137,30 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     if tasks.is_part() {
         return keep_pieces(&jobs.concat(), setting, global);
     }
+    let mut results = Results::new(setting);
+    let mut figures: Vec<(FigureId, Vec<Job>)> = ids.into_iter().zip(jobs).collect();
+    if tasks.is_merge() {
+        figures = merged_figures(figures, &mut results, global)?;
+    }
     let folder = OutFolder::open(&args.out, &global.session)?;
     let store = folder.pieces()?;
-    let mut pieces = if args.sharding.save.is_some() || tasks.is_merge() {
-        Pieces::Tasks { tasks: tasks.clone(), store: Some(store), known: HashSet::new() }
+    let mut pieces = if tasks.is_merge() {
+        Pieces::Merged { tasks: tasks.clone(), store }
+    } else if args.sharding.save.is_some() {
+        Pieces::Kept { tasks: tasks.clone(), store: Some(store), known: HashSet::new() }
     } else {
         Pieces::Stored(store)
     };
 
-    let progress = Progress::new(work(&jobs.concat()), &global.session);
-    let (mut results, mut drawn) = (Results::new(setting), Vec::new());
-    for (&id, jobs) in ids.iter().zip(&jobs) {
+    let all: Vec<Job> = figures.iter().flat_map(|(_, jobs)| jobs.clone()).collect();
+    let progress = Progress::new(work(&all), &global.session);
+    let mut drawn = Vec::new();
+    for (id, jobs) in &figures {
         progress.stage(&format!("figure {id}"));
-        run_pieces(jobs, &mut results, |piece| pieces.bytes_of(piece, &progress))?;
-        if !jobs.iter().all(|job| results.contains(job)) {
-            global.session.say(&format!("figure {id} is left out: parts of its work are missing"));
-            continue;
-        }
+        pieces.run(jobs, &mut results, &progress)?;
         let figure = id.compose(&results)?;
         let files = folder.write_panels(&figure, &provenance)?;
         drawn.push(Drawn { figure, files });
-    }
-    if drawn.is_empty() {
-        return Err(CliError::File("the given parts have no figure completely".to_owned()));
     }
     drop(progress);
 
@@ -183,13 +184,35 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     }
 }
 
+/// Completes figures with the pieces of merged parts; those of which a partial merge lacks pieces are
+/// left out.
+fn merged_figures(
+    figures: Vec<(FigureId, Vec<Job>)>,
+    results: &mut Results,
+    global: &Global,
+) -> Result<Vec<(FigureId, Vec<Job>)>, CliError> {
+    let mut complete = Vec::new();
+    for (id, jobs) in figures {
+        pieces::merge(&jobs, results, global.session.tasks())?;
+        if jobs.iter().all(|job| results.contains(job)) {
+            complete.push((id, jobs));
+        } else {
+            global.session.say(&format!("figure {id} is left out: parts of its work are missing"));
+        }
+    }
+    if complete.is_empty() {
+        return Err(CliError::File("the given parts have no figure completely".to_owned()));
+    }
+    Ok(complete)
+}
+
 /// Computes the pieces of one part of a run, which has no figures.
 fn keep_pieces(jobs: &[Job], setting: Setting, global: &Global) -> Result<(), CliError> {
     let progress = Progress::new(work(jobs), &global.session);
     progress.stage("pieces of figures");
     let tasks = global.session.tasks().clone();
-    let mut pieces = Pieces::Tasks { tasks, store: None, known: HashSet::new() };
-    run_pieces(jobs, &mut Results::new(setting), |piece| pieces.bytes_of(piece, &progress))
+    let mut pieces = Pieces::Kept { tasks, store: None, known: HashSet::new() };
+    pieces.run(jobs, &mut Results::new(setting), &progress)
 }
 
 impl FigureRecord {
