@@ -114,6 +114,8 @@ impl Command {
             Self::Sample(args) => Some(&args.sharding),
             Self::Spectrum(args) => Some(&args.sharding),
             Self::Variance(args) => Some(&args.effort.sharding),
+            Self::Progressive(args) => Some(&args.sharding),
+            Self::Audit(args) => Some(&args.sharding),
             _ => None,
         }
     }

@@ -10,11 +10,43 @@ use crate::{Accumulator, Error, Moments, Realization};
 /// in the same realization. Its standard error therefore accounts for the correlation between the
 /// orders of one realization.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Loaded")
+)]
 pub struct Anisotropy {
     index: LmIndex,
     orders: Vec<Moments>,
     pairs: Vec<[(usize, usize); 2]>,
     products: Vec<[Moments; 4]>,
+}
+
+/// Deserialized fields of an [`Anisotropy`] before validation.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Loaded {
+    index: LmIndex,
+    orders: Vec<Moments>,
+    pairs: Vec<[(usize, usize); 2]>,
+    products: Vec<[Moments; 4]>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Loaded> for Anisotropy {
+    type Error = &'static str;
+
+    fn try_from(loaded: Loaded) -> Result<Self, Self::Error> {
+        let Loaded { index, orders, pairs, products } = loaded;
+        let lmax = index.lmax();
+        let is_index = LmIndex::new(lmax).is_ok_and(|index| orders.len() == index.len());
+        let are_pairs = pairs.iter().flatten().all(|(l, m)| m <= l && *l <= lmax);
+        if is_index && are_pairs && products.len() == pairs.len() {
+            Ok(Self { index, orders, pairs, products })
+        } else {
+            Err("invalid numbers of orders or products")
+        }
+    }
 }
 
 impl Anisotropy {
@@ -42,6 +74,12 @@ impl Anisotropy {
             pairs: pairs.to_vec(),
             products: vec![Default::default(); pairs.len()],
         })
+    }
+
+    /// Returns the maximum degree.
+    #[must_use]
+    pub fn lmax(&self) -> usize {
+        self.index.lmax()
     }
 
     /// Returns the moments of `(4 pi/N) |S_lm|^2 - P(l)` for every (l, m), in index order.

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DMat3;
 use sphvar_samplers::{
-    Domain, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+    Domain, Pattern, PointSet, Progress as _, Purpose, Realizations, Sampler, SetDistribution,
+    Streams,
 };
 use sphvar_spectrum::{
     AuditSettings, Ensemble as PointEnsemble, HomogeneityAccumulator, HomogeneityAudit, Resolution,
@@ -26,10 +27,12 @@ use crate::point_sets::{FileSets, RotatedSets, WeightSums};
 use crate::progress::Progress;
 use crate::report::{Forms, Provenance, check_result, emit};
 use crate::session::Session;
+use crate::shards::{Divided, ShardArgs, Tasks};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
   sphvar audit --points sets.npy --lmax 6
+  sphvar audit poisson-disk -n 768 -m 2000 --shard 3/16 --save third.shard
 
 The variance formula holds for ensembles whose distribution is invariant under rotations. The audit \
 tests the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
@@ -41,7 +44,10 @@ tests the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
 Degrees without power, such as odd ones of antipodal sets, are not tested. Each p-value comes from \
 copies of the ensemble in which every set is randomly rotated once more; all tests together \
 reject a homogeneous ensemble with probability --alpha at most. A sampler is audited both as drawn \
-and after uniform random rotations. The exit status is 0 whatever the outcome.";
+and after uniform random rotations. The exit status is 0 whatever the outcome.
+
+--shard divides the coefficients of the realizations; sphvar merge makes the copies, which takes about 3 ms of one \
+core for each realization of each audit at the default --lmax and --alpha.";
 
 /// The minimum number of realizations for a verdict.
 const MIN_REALIZATIONS: u64 = 30;
@@ -87,6 +93,8 @@ pub(crate) struct AuditArgs {
     /// Write the results to a file: .csv or .json, or a plot of the error of every spherical harmonic as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 /// The source of the point sets.
@@ -124,14 +132,21 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         Source::Files(sets) => (sets.name(), sets.mean_size(), sets.count()),
     };
     let plan = Plan { domain, settings, count, resolution: Resolution::new(args.lmax, n_points) };
-    plan.check_memory()?;
+    let session = &global.session;
+    plan.check_memory(session.tasks())?;
+    let audits = plan.audits(&source, given, args.unrotated, session)?;
+    if session.tasks().is_part() {
+        return Ok(());
+    }
+    if audits.is_empty() {
+        return Err(CliError::File(format!("the given parts have no realizations of {name}")));
+    }
     let weights = match &source {
         Source::Sampler { sampler, .. } => WeightSums::of_sampler(&**sampler)?,
         Source::Files(sets) => WeightSums::of_sets(sets.sets().sets()),
     };
-    let audits = plan.audits(&source, given, args.unrotated, &global.session)?;
 
-    let provenance = Provenance::new(&global.session, global.seed);
+    let provenance = Provenance::new(session, global.seed);
     let records =
         audits.iter().map(|(ensemble, audit)| AuditRecord::new(*ensemble, audit, &settings));
     let body = AuditBody {
@@ -139,7 +154,7 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         domain: domain.name(),
         n: n_points,
         n_effective: weights.map(|weights| weights.n_effective),
-        realizations: count,
+        realizations: audits.iter().map(|(_, a)| a.realizations as u64).min().unwrap_or(0),
         lmax: args.lmax,
         alpha: args.alpha,
         tolerance: args.tolerance,
@@ -217,17 +232,21 @@ struct Plan {
 }
 
 impl Plan {
-    fn check_memory(&self) -> Result<(), CliError> {
-        check_transform(self.resolution, self.count)?;
+    fn check_memory(&self, tasks: &Tasks) -> Result<(), CliError> {
+        let parts = tasks.part().parts;
+        let count = self.count.div_ceil(parts);
+        check_transform(self.resolution, count)?;
         let components = ((self.resolution.lmax + 1) as f64).powi(2);
-        // The coefficients twice, the sums of the copies, and the matrices of the rotation by 90
-        // degrees.
-        let numbers = 2.0 * components * self.count as f64
-            + 4.0 * components * self.settings.replicates() as f64
+        // The coefficients twice and, unless this is a part, the sums of the copies and the matrices
+        // of the rotation by 90 degrees.
+        let of_copies = 4.0 * components * self.settings.replicates() as f64
             + components * self.resolution.lmax as f64;
+        let numbers = 2.0 * components * count as f64 + if parts == 1 { of_copies } else { 0.0 };
         check_memory("an audit to degree --lmax of -m realizations", 8.0 * numbers)
     }
 
+    /// Returns the audits whose results are known: all unless this run keeps only a part or a merge
+    /// is partial.
     fn audits(
         &self,
         source: &Source,
@@ -235,6 +254,7 @@ impl Plan {
         unrotated: bool,
         session: &Session,
     ) -> Result<Vec<(Ensemble, HomogeneityAudit)>, CliError> {
+        let tasks = session.tasks();
         let rounds = match source {
             Source::Sampler { .. } if !unrotated => 2.0,
             _ => 1.0,
@@ -246,13 +266,19 @@ impl Plan {
             Source::Sampler { name, .. } => (&**name, 0.0),
             Source::Files(sets) => (sets.name(), 0.0),
         };
-        let progress = Progress::new(rounds * self.work(set_work), session);
-        let audit = |ensemble: Ensemble, sets: &dyn PointEnsemble, used: Option<&[DMat3]>| {
-            progress.stage(&format!("{name} {}", ensemble.name()));
-            self.audit(sets, used, &progress).map(|audit| (ensemble, audit))
-        };
+        let Resolution { lmax, n_points, method, .. } = self.resolution;
+        let work = set_work + method.nominal_work(n_points, lmax);
+        let progress = Progress::new(rounds * self.count as f64 * work, session);
+        if !tasks.is_part() {
+            let each = HomogeneityAccumulator::audit_work(&self.settings, self.count, lmax);
+            progress.expect(rounds * each);
+        }
+        let run = Run { plan: self, name, work, tasks, progress: &progress };
+        let mut audits = Vec::new();
         match source {
-            Source::Files(sets) => Ok(vec![audit(Ensemble::FromFiles, sets.sets(), None)?]),
+            Source::Files(sets) => {
+                audits.extend(run.audit(Ensemble::FromFiles, sets.sets(), None)?)
+            }
             Source::Sampler { sampler, streams, .. } => {
                 let drawn = Ensemble::AsDrawn { random: sampler.is_random() };
                 let sets = Realizations::unrotated(&**sampler, *streams);
@@ -260,38 +286,60 @@ impl Plan {
                     Some(given) => given,
                     None => &sets,
                 };
-                let mut audits = vec![audit(drawn, sets, None)?];
+                audits.extend(run.audit(drawn, sets, None)?);
                 if !unrotated {
                     let sets = Realizations::rotated(&**sampler, *streams);
-                    let used: Vec<DMat3> = (0..self.count).map(|i| sets.rotation(i)).collect();
+                    let rotation = |i: u64| sets.rotation(i);
                     let given = given.map(|given| RotatedSets { sets: given, rotations: sets });
-                    let sets: &dyn PointEnsemble = match &given {
+                    let ensemble: &dyn PointEnsemble = match &given {
                         Some(given) => given,
                         None => &sets,
                     };
-                    audits.push(audit(Ensemble::Rotated, sets, Some(&used))?);
+                    audits.extend(run.audit(Ensemble::Rotated, ensemble, Some(&rotation))?);
                 }
-                Ok(audits)
             }
         }
+        Ok(audits)
     }
+}
 
-    /// Runs one audit; `used` are the rotations applied to the sets, none if they are unknown.
+/// What the audits of a run share.
+struct Run<'a> {
+    plan: &'a Plan,
+    name: &'a str,
+    /// The nominal work of the coefficients of a realization.
+    work: f64,
+    tasks: &'a Tasks,
+    progress: &'a Progress,
+}
+
+impl Run<'_> {
+    /// Runs one audit; `rotation` returns the rotation applied to a set, if it is known. `None` if
+    /// the run keeps only a part, or if a partial merge has no realization of it.
     fn audit(
         &self,
+        ensemble: Ensemble,
         sets: &dyn PointEnsemble,
-        used: Option<&[DMat3]>,
-        progress: &Progress,
-    ) -> Result<HomogeneityAudit, CliError> {
-        let empty = HomogeneityAccumulator::new(self.domain, self.resolution.lmax)?;
-        let coefficients = accumulate(sets, self.resolution, 0..self.count, &empty, progress)?;
-        Ok(coefficients.audit(&self.settings, used, progress)?)
-    }
-
-    /// Returns the nominal work of an audit of sets that take `set_work` each.
-    fn work(&self, set_work: f64) -> f64 {
-        let Resolution { lmax, n_points, method, .. } = self.resolution;
-        self.count as f64 * (set_work + method.nominal_work(n_points, lmax))
-            + HomogeneityAccumulator::audit_work(&self.settings, self.count, lmax)
+        rotation: Option<&dyn Fn(u64) -> DMat3>,
+    ) -> Result<Option<(Ensemble, HomogeneityAudit)>, CliError> {
+        let Plan { domain, settings, count, resolution } = *self.plan;
+        let progress = self.progress;
+        let name = format!("{} {}", self.name, ensemble.name());
+        progress.stage(&name);
+        let empty = HomogeneityAccumulator::new(domain, resolution.lmax)?;
+        let append = |all: &mut HomogeneityAccumulator, others: HomogeneityAccumulator| {
+            all.try_merge(&others).map_err(|error| CliError::File(error.to_string()))
+        };
+        let task = Divided { name: &name, count, work: self.work };
+        let coefficients = self.tasks.divided(task, progress, append, |range| {
+            Ok(accumulate(sets, resolution, range, &empty, progress)?)
+        })?;
+        let Some(coefficients) = coefficients else { return Ok(None) };
+        let indices = coefficients.indices();
+        check_sets(&name, indices.len() as u64)?;
+        let used: Option<Vec<DMat3>> =
+            rotation.map(|rotation| indices.into_iter().map(rotation).collect());
+        let audit = coefficients.audit(&settings, used.as_deref(), progress)?;
+        Ok(Some((ensemble, audit)))
     }
 }

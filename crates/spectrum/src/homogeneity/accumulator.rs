@@ -5,6 +5,7 @@ use sphvar_samplers::{Domain, Progress};
 
 use super::audit::{AuditSettings, HomogeneityAudit};
 use super::judge::{copy_work, judge};
+use crate::error::check_equal;
 use crate::{Accumulator, Anisotropy, Error, Realization};
 
 /// Stores the low coefficients of every realization; [`audit`](Self::audit) returns the
@@ -12,11 +13,45 @@ use crate::{Accumulator, Anisotropy, Error, Realization};
 ///
 /// Uses `8 (lmax+1)^2` bytes per realization.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Loaded")
+)]
 pub struct HomogeneityAccumulator {
     domain: Domain,
     lmax: usize,
     rows: Vec<(u64, Vec<f64>)>,
     anisotropy: Anisotropy,
+}
+
+/// Deserialized fields of a [`HomogeneityAccumulator`] before validation.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Loaded {
+    domain: Domain,
+    lmax: usize,
+    rows: Vec<(u64, Vec<f64>)>,
+    anisotropy: Anisotropy,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Loaded> for HomogeneityAccumulator {
+    type Error = &'static str;
+
+    fn try_from(loaded: Loaded) -> Result<Self, Self::Error> {
+        let Loaded { domain, lmax, rows, anisotropy } = loaded;
+        let has_degree = lmax >= domain.degree_step() && anisotropy.lmax() == lmax;
+        let components = lmax.checked_add(1).and_then(|rows| rows.checked_mul(rows));
+        let are_rows = rows.iter().all(|(_, row)| Some(row.len()) == components);
+        let count = rows.len() as u64;
+        let are_all = anisotropy.orders().all(|(_, moments)| moments.count() == count);
+        if has_degree && are_rows && are_all {
+            Ok(Self { domain, lmax, rows, anisotropy })
+        } else {
+            Err("invalid numbers of coefficients")
+        }
+    }
 }
 
 impl HomogeneityAccumulator {
@@ -37,12 +72,32 @@ impl HomogeneityAccumulator {
         Ok(Self { domain, lmax, rows: Vec::new(), anisotropy: Anisotropy::new(lmax, &[])? })
     }
 
+    /// Returns the indices of the accumulated realizations, in increasing order.
+    #[must_use]
+    pub fn indices(&self) -> Vec<u64> {
+        let mut indices: Vec<u64> = self.rows.iter().map(|row| row.0).collect();
+        indices.sort_unstable();
+        indices
+    }
+
+    /// Adds the realizations of another accumulator.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Mismatch`] if the accumulators differ in the domain or in the maximum degree.
+    pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
+        check_equal("domains", &self.domain, &other.domain)?;
+        check_equal("maximum degrees", &self.lmax, &other.lmax)?;
+        self.merge(other);
+        Ok(())
+    }
+
     /// Returns the audit of the accumulated realizations.
     ///
-    /// `rotations` are the random rotations of the realizations, if known. `progress` is ticked
-    /// with [`Self::audit_work`] in total, once per randomly rotated copy of the ensemble
-    /// ([`AuditSettings::replicates`] copies). The result depends only on the realizations, the
-    /// settings and the rotations.
+    /// `rotations` are the random rotations of the realizations in the order of
+    /// [`indices`](Self::indices), if known. `progress` is ticked with [`Self::audit_work`] in
+    /// total, once per randomly rotated copy of the ensemble ([`AuditSettings::replicates`]
+    /// copies). The result depends only on the realizations, the settings and the rotations.
     ///
     /// # Errors
     ///

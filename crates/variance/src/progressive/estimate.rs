@@ -92,7 +92,7 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
     pub(super) fn work(&self, predictor: &mut PredictorOn<'_, S>) -> Result<f64, Error> {
         let n_points = self.counts.last().copied().unwrap_or(0);
         let mut work = self.preparation_work() + self.work_of_realizations();
-        if self.has_errors(predictor) {
+        if self.has_errors() {
             for n in checkpoints(n_points) {
                 work += self.checkpoint_work(predictor, n)?;
             }
@@ -138,7 +138,7 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
     ) -> Result<ProgressiveCurve, Error> {
         let drawn = self.drawn(predictor, progress)?;
         let mut errors = Vec::new();
-        if self.has_errors(predictor) {
+        if self.has_errors() {
             for n_points in checkpoints(self.counts.last().copied().unwrap_or(0)) {
                 errors.extend(self.checkpoint(predictor, n_points, &drawn, progress)?);
             }
@@ -246,8 +246,8 @@ impl<'s, S: ProgressiveSpace> PrefixEstimate<'s, S> {
     }
 
     /// Returns whether the predictions have errors that the sums of prefixes do not show.
-    pub(super) fn has_errors(&self, predictor: &PredictorOn<'_, S>) -> bool {
-        self.variances.has_tail() || predictor.energy().errors().is_some()
+    pub(super) fn has_errors(&self) -> bool {
+        self.variances.has_tail() || self.variances.has_estimates()
     }
 
     /// Returns the errors of the prefix with `n_points` points by the rules of single predictions;

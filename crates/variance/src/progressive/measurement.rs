@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use rayon::prelude::{
     IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator, ParallelSliceMut,
 };
@@ -6,11 +8,11 @@ use sphvar_samplers::{Ensemble, PointSet, Progress, Purpose};
 use super::space::ProgressiveSpace;
 use super::{ProgressivePoint, Randomized};
 use crate::estimates::evaluation_work;
-use crate::trials::Experiment;
-use crate::{Comparison, Error, Measurement, PredictorOn, RelativeError};
+use crate::{Comparison, Error, Experiment, Measurement, PredictorOn, RelativeError};
 
 /// The variance of the estimates of independent trials from the first points of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrefixMeasurement {
     /// The variance of the estimates. For sets as they are drawn, with a known integral, it is the
     /// mean squared deviation from the integral instead; see [`is_about_exact`](Self::is_about_exact).
@@ -47,26 +49,23 @@ const MAX_ESTIMATES: usize = 1 << 26;
 pub(super) struct PrefixTrials<'s, S: ProgressiveSpace> {
     pub(super) sampler: S::SamplerRef<'s>,
     pub(super) group: usize,
-    pub(super) trials: u64,
     pub(super) randomized: Randomized,
 }
 
 impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
-    /// Returns the points with measured variances.
+    /// Returns the points with variances measured from some trials.
     pub(super) fn measured(
         &self,
         predictor: &PredictorOn<'_, S>,
         points: Vec<ProgressivePoint>,
+        trials: u64,
         progress: &dyn Progress,
     ) -> Result<Vec<ProgressivePoint>, Error> {
-        let trials = usize::try_from(self.trials).unwrap_or(usize::MAX);
-        // A block of prefixes repeats the trials, so that memory is bounded.
-        let block = (MAX_ESTIMATES / trials.max(1)).max(1);
         let mut measured = Vec::with_capacity(points.len());
-        for points in points.chunks(block) {
+        for points in points.chunks(prefixes_together(trials)) {
             let counts: Vec<usize> = points.iter().map(|point| point.n_points).collect();
-            let rows = self.estimates(predictor, &counts, progress)?;
-            let experiments = self.experiments(predictor, &counts)?;
+            let rows = self.estimates(predictor, &counts, 0..trials, progress)?;
+            let experiments = experiments(predictor, self.sampler, self.group, &counts)?;
             measured.extend(measured_points(
                 points,
                 &rows,
@@ -78,25 +77,12 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
         Ok(measured)
     }
 
-    /// Returns what is known of the trials of each prefix.
-    pub(super) fn experiments(
-        &self,
-        predictor: &PredictorOn<'_, S>,
-        counts: &[usize],
-    ) -> Result<Vec<Experiment>, Error> {
-        let of_prefix = |&n_points: &usize| {
-            S::with_prefix(self.sampler, n_points, self.group, |prefix| {
-                Ok(predictor.experiment(prefix))
-            })
-        };
-        counts.iter().map(of_prefix).collect()
-    }
-
-    /// Returns the estimates from the prefixes, trial by trial.
+    /// Returns the estimates of some trials from the prefixes, trial by trial.
     pub(super) fn estimates(
         &self,
         predictor: &PredictorOn<'_, S>,
         counts: &[usize],
+        trials: Range<u64>,
         progress: &dyn Progress,
     ) -> Result<Vec<f64>, Error> {
         let streams = predictor.streams(Purpose::Trial, self.group);
@@ -106,9 +92,11 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
         };
         let (integrand, area) = (predictor.integrand(), predictor.space().area());
         let last = counts.last().copied().unwrap_or(0);
+        let first = trials.start;
         let trial = |(set, values): &mut (PointSet<S::Point>, Vec<f64>),
                      (index, row): (usize, &mut [f64])| {
-            sets.realize_into(index as u64, set, progress).map_err(sphvar_spectrum::Error::from)?;
+            let index = first + index as u64;
+            sets.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
             check_length(set.len(), last)?;
             set.points.truncate(last);
             set.weights.truncate(last);
@@ -121,13 +109,34 @@ impl<S: ProgressiveSpace> PrefixTrials<'_, S> {
             row.iter_mut().for_each(|mean| *mean *= area);
             Ok::<(), Error>(())
         };
-        let trials = usize::try_from(self.trials).unwrap_or(usize::MAX);
-        let mut rows = vec![0.0; trials.saturating_mul(counts.len())];
+        let count = trials.end.saturating_sub(first);
+        let count = usize::try_from(count).unwrap_or(usize::MAX);
+        let mut rows = vec![0.0; count.saturating_mul(counts.len())];
         rows.par_chunks_exact_mut(counts.len().max(1))
             .enumerate()
             .try_for_each_init(Default::default, trial)?;
         Ok(rows)
     }
+}
+
+/// Returns the number of prefixes whose estimates are kept in memory at a time. A block of prefixes
+/// repeats the trials, so that memory is bounded.
+pub(super) fn prefixes_together(trials: u64) -> usize {
+    let trials = usize::try_from(trials).unwrap_or(usize::MAX);
+    (MAX_ESTIMATES / trials.max(1)).max(1)
+}
+
+/// Returns what is known of the trials of each prefix of a sequence.
+pub(super) fn experiments<S: ProgressiveSpace>(
+    predictor: &PredictorOn<'_, S>,
+    sampler: S::SamplerRef<'_>,
+    group: usize,
+    counts: &[usize],
+) -> Result<Vec<Experiment>, Error> {
+    let of_prefix = |&n_points: &usize| {
+        S::with_prefix(sampler, n_points, group, |prefix| Ok(predictor.experiment(prefix)))
+    };
+    counts.iter().map(of_prefix).collect()
 }
 
 impl PrefixMeasurement {

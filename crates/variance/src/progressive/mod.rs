@@ -19,7 +19,10 @@ pub use measurement::PrefixMeasurement;
 pub use predictor::ProgressivePredictor;
 pub use space::{PrefixVariances, ProgressiveSpace};
 
-use crate::{PredictedVariance, Prediction};
+use sphvar_samplers::Progress;
+
+use self::measurement::measured_points;
+use crate::{Error, Experiment, PredictedVariance, Prediction};
 
 /// How the sets of a sequence are randomized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +37,7 @@ pub enum Randomized {
 
 /// The variance of the estimate from the first points of a sequence.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProgressivePoint {
     /// The number of points N.
     pub n_points: usize,
@@ -41,6 +45,35 @@ pub struct ProgressivePoint {
     pub prediction: Prediction,
     /// The measured variance, if there were trials.
     pub measurement: Option<PrefixMeasurement>,
+}
+
+impl ProgressiveCurve {
+    /// Returns the curve with the variances of
+    /// [`ProgressivePredictor::estimates`], bit-identical to [`ProgressivePredictor::measure`] for
+    /// all trials in their order. `experiments` are those of
+    /// [`ProgressivePredictor::experiments`].
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Parameter`] unless every point has an experiment and as many estimates, at
+    /// least one, as the others, and an error if `progress` stops the work.
+    pub fn measured(
+        &self,
+        experiments: &[Experiment],
+        estimates: &[f64],
+        randomized: Randomized,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let n_points = self.points.len();
+        let are_all = !estimates.is_empty() && estimates.len().is_multiple_of(n_points);
+        if experiments.len() != n_points || !are_all {
+            let (name, got) = ("number of estimates", estimates.len() as f64);
+            let range = "a multiple of the number of prefixes, each with its experiment";
+            return Err(Error::Parameter { name, range, got });
+        }
+        let points = measured_points(&self.points, estimates, experiments, randomized, progress)?;
+        Ok(Self { points, realizations: self.realizations })
+    }
 }
 
 impl PredictedVariance for ProgressivePoint {
@@ -55,6 +88,7 @@ impl PredictedVariance for ProgressivePoint {
 
 /// The variances of the prefixes of a sequence.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProgressiveCurve {
     /// The variances in increasing order of their distinct numbers of points.
     pub points: Vec<ProgressivePoint>,

@@ -1,11 +1,13 @@
+use std::ops::Range;
+
 use sphvar_samplers::{Domain, Progress};
 
-use super::measurement::PrefixTrials;
+use super::measurement::{PrefixTrials, experiments, prefixes_together};
 use super::prefixes::{KnownVariances, Prefixes, check_counts, unknown};
 use super::space::{ProgressiveSpace, is_homogeneous};
 use super::{ProgressiveCurve, ProgressivePoint, Randomized};
 use crate::estimates::trial_work_of;
-use crate::{Error, PredictorOn};
+use crate::{Error, Experiment, PredictorOn};
 
 /// Predicts and measures the variance of integrating one function with every prefix of a sequence.
 ///
@@ -122,9 +124,82 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
         randomized: Randomized,
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
-        let trials = PrefixTrials { sampler, group, trials, randomized };
-        let points = trials.measured(&self.predictor, curve.points, progress)?;
+        let of = PrefixTrials { sampler, group, randomized };
+        let points = of.measured(&self.predictor, curve.points, trials, progress)?;
         Ok(ProgressiveCurve { points, ..curve })
+    }
+
+    /// Returns the estimates of the integral by some of the trials of [`Self::measure`], trial by
+    /// trial, each with those of all prefixes of `counts`: 8 bytes each. Ticks
+    /// [`Trials::work_of`](crate::Trials::work_of).
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Parameter`] for counts that are not increasing or not between 1 and the
+    /// number of points of the sampler, and the errors of [`Self::measure`].
+    pub fn estimates(
+        &self,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        counts: &[usize],
+        trials: Range<u64>,
+        randomized: Randomized,
+        progress: &dyn Progress,
+    ) -> Result<Vec<f64>, Error> {
+        check_counts(counts, S::n_points(sampler))?;
+        let of = PrefixTrials { sampler, group, randomized };
+        of.estimates(&self.predictor, counts, trials, progress)
+    }
+
+    /// Returns the number of prefixes whose estimates by `trials` trials are kept in memory at a
+    /// time, at most 512 MiB. [`Self::measure`] repeats the trials for more prefixes.
+    #[must_use]
+    pub fn prefixes_together(trials: u64) -> usize {
+        prefixes_together(trials)
+    }
+
+    /// Returns what is known of the trials of each prefix. Its roundings are those of the energies
+    /// that have been computed so far.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Error::Parameter`] for counts that are not increasing or not between 1 and the
+    /// number of points of the sampler.
+    pub fn experiments(
+        &self,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        counts: &[usize],
+    ) -> Result<Vec<Experiment>, Error> {
+        check_counts(counts, S::n_points(sampler))?;
+        experiments(&self.predictor, sampler, group, counts)
+    }
+
+    /// Returns whether the sets of a sampler are homogeneous, so that their variances are predicted.
+    #[must_use]
+    pub fn is_predicted(sampler: S::SamplerRef<'_>, randomized: Randomized) -> bool {
+        randomized == Randomized::Rotated || is_homogeneous::<S>(sampler)
+    }
+
+    /// Returns [`Self::predict`] for sets that are homogeneous, otherwise
+    /// [`Prediction::UNKNOWN`](crate::Prediction::UNKNOWN) for every prefix.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`].
+    pub fn predict_known(
+        &mut self,
+        sampler: S::SamplerRef<'_>,
+        group: usize,
+        counts: &[usize],
+        randomized: Randomized,
+        progress: &dyn Progress,
+    ) -> Result<ProgressiveCurve, Error> {
+        if Self::is_predicted(sampler, randomized) {
+            return self.predict(sampler, group, counts, progress);
+        }
+        check_counts(counts, S::n_points(sampler))?;
+        Ok(unknown(counts))
     }
 
     /// Returns the predicted variances, where they are known, and the measured ones, unless `trials`
@@ -142,13 +217,7 @@ impl<'a, S: ProgressiveSpace> ProgressivePredictor<'a, S> {
         randomized: Randomized,
         progress: &dyn Progress,
     ) -> Result<ProgressiveCurve, Error> {
-        let is_predicted = randomized == Randomized::Rotated || is_homogeneous::<S>(sampler);
-        let curve = if is_predicted {
-            self.predict(sampler, group, counts, progress)?
-        } else {
-            check_counts(counts, S::n_points(sampler))?;
-            unknown(counts)
-        };
+        let curve = self.predict_known(sampler, group, counts, randomized, progress)?;
         if trials == 0 {
             return Ok(curve);
         }

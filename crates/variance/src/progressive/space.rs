@@ -93,6 +93,9 @@ pub trait PrefixVariances<P>: Debug + Send + Sync {
     /// Returns whether there is energy beyond that of the known bands.
     fn has_tail(&self) -> bool;
 
+    /// Returns whether the energies are estimates with errors.
+    fn has_estimates(&self) -> bool;
+
     /// Returns the nominal work of the prefixes of a set up to `n_points`.
     fn work(&self, n_points: usize) -> f64;
 }

@@ -45,6 +45,8 @@ pub(super) struct SphereVariances {
     kernel: OnceLock<ChordKernel>,
     /// k times the energy beyond the last degree.
     tail: ByParity,
+    /// Whether the energies are estimates.
+    has_estimates: bool,
 }
 
 /// The numbers of a prefix, up to the division by the square of the sum of the weights.
@@ -72,13 +74,18 @@ impl SphereVariances {
         coefficients[..(split + 1).min(len)].fill(0.0);
         // The kernel also finds the coincident points that determine a tail.
         let has_pairs = tail.sum() > 0.0 || coefficients.iter().any(|c| *c != 0.0);
-        Ok(Self { low, high: has_pairs.then_some(coefficients), kernel: OnceLock::new(), tail })
+        let (high, has_estimates) = (has_pairs.then_some(coefficients), energy.errors().is_some());
+        Ok(Self { low, high, kernel: OnceLock::new(), tail, has_estimates })
     }
 }
 
 impl PrefixVariances<DVec3> for SphereVariances {
     fn has_tail(&self) -> bool {
         self.tail.sum() > 0.0
+    }
+
+    fn has_estimates(&self) -> bool {
+        self.has_estimates
     }
 
     fn prepare(&self, progress: &dyn Progress) -> Result<(), Error> {

@@ -45,6 +45,8 @@ pub(super) struct SquareVariances {
     reach: i32,
     /// The energy beyond the last band.
     tail: ByAxis,
+    /// Whether the energies are estimates.
+    has_estimates: bool,
 }
 
 /// Consecutive frequencies with a common factor of their exponentials.
@@ -101,7 +103,8 @@ impl SquareVariances {
             }
         }
         parts.push(part);
-        Self { parts, n_frequencies, reach: kmax.max(AXIS_ROW), tail }
+        let (reach, has_estimates) = (kmax.max(AXIS_ROW), energy.errors().is_some());
+        Self { parts, n_frequencies, reach, tail, has_estimates }
     }
 
     /// Returns the sums `sum_b E(b) |S_b|^2` over the rows of a part for each prefix.
@@ -156,6 +159,10 @@ impl SquareVariances {
 impl PrefixVariances<[f64; 2]> for SquareVariances {
     fn has_tail(&self) -> bool {
         self.tail.sum() > 0.0
+    }
+
+    fn has_estimates(&self) -> bool {
+        self.has_estimates
     }
 
     fn work(&self, n_points: usize) -> f64 {

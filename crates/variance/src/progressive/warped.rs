@@ -2,13 +2,12 @@
 
 use sphvar_samplers::{Progress, Square};
 
-use super::measurement::{PrefixTrials, measured_points};
+use super::measurement::{PrefixTrials, experiments as known_trials, measured_points};
 use super::prefixes::{Prefixes, check_counts, unknown};
 use super::space::is_homogeneous;
 use super::{ProgressiveCurve, Randomized};
-use crate::trials::Experiment;
 use crate::warped::sum;
-use crate::{Error, WarpedPattern, WarpedPredictor};
+use crate::{Error, Experiment, WarpedPattern, WarpedPredictor};
 
 impl WarpedPredictor<'_> {
     /// Returns the predicted variances of the first points of a warped sequence, where they are
@@ -73,14 +72,15 @@ impl WarpedPredictor<'_> {
         let mut experiments = vec![Vec::new(); counts.len()];
         for (i, (predictor, sampler)) in self.predictors().zip(&samplers).enumerate() {
             let own = of_strategy(i);
-            let of = PrefixTrials::<Square> { sampler: &**sampler, group, trials, randomized };
-            let estimates = of.estimates(predictor, &own, progress)?;
+            let of = PrefixTrials::<Square> { sampler: &**sampler, group, randomized };
+            let estimates = of.estimates(predictor, &own, 0..trials, progress)?;
             if i == 0 {
                 rows = estimates;
             } else {
                 rows.iter_mut().zip(estimates).for_each(|(sum, estimate)| *sum += estimate);
             }
-            for (all, experiment) in experiments.iter_mut().zip(of.experiments(predictor, &own)?) {
+            let known = known_trials(predictor, &**sampler, group, &own)?;
+            for (all, experiment) in experiments.iter_mut().zip(known) {
                 all.push(experiment);
             }
         }

@@ -22,7 +22,7 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         let drawn = estimates.iter().map(|estimate| estimate.drawn(predictor, progress));
         let drawn = drawn.collect::<Result<Vec<_>, Error>>()?;
         let mut errors = Vec::new();
-        if last.has_errors(self.predictor) {
+        if last.has_errors() {
             for k in checkpoints::<S>(samplers) {
                 let n_points = S::n_points(samplers[k]);
                 errors.extend(estimates[k].checkpoint(
@@ -44,7 +44,7 @@ impl<S: ProgressiveSpace> Prefixes<'_, '_, S> {
         let mut work: f64 = estimates.iter().map(PrefixEstimate::work_of_realizations).sum();
         if let Some(last) = estimates.last() {
             work += last.preparation_work();
-            if last.has_errors(self.predictor) {
+            if last.has_errors() {
                 for k in checkpoints::<S>(samplers) {
                     work +=
                         estimates[k].checkpoint_work(self.predictor, S::n_points(samplers[k]))?;

@@ -19,6 +19,7 @@ use crate::flags::{
 };
 use crate::global::Global;
 use crate::report::check_result;
+use crate::shards::ShardArgs;
 use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -27,6 +28,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar progressive halton -n 100,200,1000 --integrand vmf:kappa=20 --reference healpix,spiral
   sphvar progressive sobol,halton -n 256 --integrand cap:degrees=60 --no-rotate --reference none
   sphvar progressive sobol,r2,pmj02 --square -n 64 --integrand disk:radius=0.3 -m 100
+  sphvar progressive sobol,halton -n 1024 --integrand cap:degrees=60 -m 200 --shard 3/16 --save third.shard
 
 A sequence is a pattern whose first N points, for every N, are a set of the pattern: more points can be added to those that \
 are there, as progressive rendering does. sphvar list shows which patterns are sequences. The command computes the error of integrating with the \
@@ -46,7 +48,9 @@ the N, files all of them.
 Different randomizations of a sequence are different samplers: sobol,sobol:randomization=digital compares Owen scrambling \
 and digital shifts, each followed by a rotation. --no-rotate leaves out the rotation, or on the square the shift: nothing predicts the error then, unless \
 the points are uniform and independent by themselves, and that of a deterministic sequence is the error of one estimate. \
-There is no factor then: the reference is predicted over rotations.";
+There is no factor then: the reference is predicted over rotations.
+
+--shard divides the trials; each sequence is predicted by one part, and so are the references of each integrand.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -84,6 +88,8 @@ pub(crate) struct ProgressiveArgs {
     pub(crate) square: SquareArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
+    #[command(flatten)]
+    pub(crate) sharding: ShardArgs,
 }
 
 fn sequences_help() -> String {

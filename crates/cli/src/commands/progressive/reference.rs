@@ -2,7 +2,8 @@
 
 use sphvar_samplers::Progress;
 use sphvar_variance::{
-    IntegrationSpace, PredictedVariance, ProgressivePredictor, ProgressiveSpace, VariancePoint,
+    IntegrationSpace, PredictedVariance, ProgressivePoint, ProgressivePredictor, ProgressiveSpace,
+    VariancePoint,
 };
 
 use super::prefixes::Prefixes;
@@ -83,21 +84,27 @@ impl<P: PredictedPattern<Space: ProgressiveSpace>> ReferencePattern<P> {
     }
 
     /// Returns the predicted variances at all numbers of points.
-    pub(super) fn curve(
+    pub(super) fn points(
         &self,
         predictor: &mut ProgressivePredictor<'_, P::Space>,
         progress: &dyn Progress,
-    ) -> Result<ReferenceCurve, CliError> {
+    ) -> Result<Vec<ProgressivePoint>, CliError> {
         let samplers = self.samplers();
-        let points = if self.is_together {
-            let points = predictor.predict_sets(&samplers, progress)?;
-            points.iter().map(PredictedVariance::variance_point).collect()
-        } else {
-            let predict =
-                |sampler| Ok(predictor.of_sets().predict(sampler, progress)?.variance_point());
-            samplers.into_iter().map(predict).collect::<Result<_, CliError>>()?
+        if self.is_together {
+            return Ok(predictor.predict_sets(&samplers, progress)?);
+        }
+        let predict = |sampler| {
+            let point = predictor.of_sets().predict(sampler, progress)?;
+            let (n_points, prediction) = (point.n_points(), point.prediction);
+            Ok(ProgressivePoint { n_points, prediction, measurement: None })
         };
-        Ok(ReferenceCurve { name: self.name.clone(), points })
+        samplers.into_iter().map(predict).collect()
+    }
+
+    /// Returns the curve of predicted variances.
+    pub(super) fn curve(&self, points: &[ProgressivePoint]) -> ReferenceCurve {
+        let points = points.iter().map(PredictedVariance::variance_point).collect();
+        ReferenceCurve { name: self.name.clone(), points }
     }
 }
 
@@ -152,6 +159,7 @@ pub(super) struct ReferenceCurve {
 }
 
 /// The predicted variances of all reference patterns.
+#[derive(Default)]
 pub(super) struct Reference {
     pub(super) curves: Vec<ReferenceCurve>,
     /// The numbers of points of the comparison, in increasing order.

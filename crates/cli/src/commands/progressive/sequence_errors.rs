@@ -31,12 +31,11 @@ pub(super) struct Origin<'a> {
     /// The name of the space.
     pub(super) domain: String,
     pub(super) exact: Option<f64>,
-    pub(super) trials: u64,
 }
 
 impl SequenceErrors {
     pub(super) fn new(origin: Origin<'_>, curve: &ProgressiveCurve, reference: &Reference) -> Self {
-        let Origin { sampler, prefixes, integral, domain, exact, trials } = origin;
+        let Origin { sampler, prefixes, integral, domain, exact } = origin;
         let record = |point: &ProgressivePoint| {
             let mut record = PrefixRecord::new(&sampler, &integral.name, point);
             record.factor = record.factor_to(reference.variance_at(point.n_points));
@@ -58,6 +57,7 @@ impl SequenceErrors {
             .collect();
         let fit = if is_predicted { fit_exact_rate(&shown) } else { fit_rate(&shown) };
         let interval = fit.map(|fit| fit.interval);
+        let measured = curve.points.iter().filter_map(|point| point.measurement);
         let summary = SequenceRecord {
             sampler: sampler.text.clone(),
             label: sampler.label.clone(),
@@ -66,7 +66,7 @@ impl SequenceErrors {
             exact,
             basis: if is_predicted { "predicted" } else { "measured" },
             realizations: curve.realizations,
-            trials,
+            trials: measured.map(|m| m.trials).min().unwrap_or(0),
             n,
             rate: fit.map(|fit| fit.slope),
             rate_interval: interval.filter(|ends| ends.0.is_finite() && ends.1.is_finite()),
