@@ -65,6 +65,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
             have.len(),
         )));
     }
+    // A run of which nothing is expensive has no results at all.
     if merged.is_empty() && !missing.is_empty() {
         return Err(CliError::File(
             "the given parts have no results: other parts have them".to_owned(),

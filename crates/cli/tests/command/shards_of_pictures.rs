@@ -171,8 +171,8 @@ fn one_picture_has_no_parts() {
     assert_eq!(place.names(), Vec::<String>::new());
 }
 
-/// 7.4 has several ensembles that figure 7.3 shares, C.1 none.
-const FIGURES: &str = "reproduce C.1 4.5 --quick -o out";
+/// A figure of closed forms, and one of two ensembles.
+const FIGURES: &str = "reproduce C.1 4.10 --quick -o out";
 
 #[test]
 fn figures_in_parts_have_the_bytes_of_one_run() {
@@ -189,14 +189,24 @@ fn figures_in_parts_have_the_bytes_of_one_run() {
     }
 }
 
+/// Figures of closed forms have no pieces, so that no part has results.
+#[test]
+fn figures_without_pieces_are_made_by_the_merge() {
+    let place = Workplace::new();
+    let names = parts(&place, "reproduce C.1 -o out", 3);
+    place.run(&format!("merge {names}")).ok();
+    assert!(place.path("out/index.html").exists());
+    place.run("merge 1of3.shard --partial -o none").fails(1, &["have no results"]);
+}
+
 #[test]
 fn figures_of_missing_parts_are_left_out() {
     let place = Workplace::new();
     place.run(&format!("{FIGURES} --shard 2/16 --save part.shard")).ok();
     let merged = place.run("merge part.shard --partial").ok();
-    assert!(merged.stderr.contains("figure 4.5 is left out"), "{}", merged.stderr);
+    assert!(merged.stderr.contains("figure 4.10 is left out"), "{}", merged.stderr);
     let page = place.text("out/index.html");
-    assert!(page.contains("figure-C.1") && !page.contains("figure-4.5"));
+    assert!(page.contains("figure-C.1") && !page.contains("figure-4.10"));
     let run = FIGURES.replace("C.1 ", "");
     place.run(&format!("{run} --shard 2/16 --save other.shard")).ok();
     place.run("merge other.shard --partial -o none").fails(1, &["no figure completely"]);
