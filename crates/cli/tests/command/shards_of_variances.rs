@@ -6,7 +6,7 @@ use crate::workplace::{Workplace, small_exr};
 const MODES: [&str; 12] = [
     "variance jittered,fibonacci,white-noise -n 48,12 --integrand cap:degrees=60 -m 23",
     "variance jittered,healpix -n 48 --hemisphere --nearest --integrand vmf:kappa=9 -m 23 --spectrum-realizations 9",
-    "variance jittered,spiral -n 30 --integrand env:map.exr,channel=rgb -m 23 --lmax 40",
+    "variance jittered,spiral -n 48 --integrand env:map.exr,channel=rgb -m 23 --lmax 40",
     "variance poisson-disk -n 12 --integrand env:map.exr --project 1 -m 23",
     "variance jittered-square,sobol,white-square --square -n 16 --integrand disk:radius=0.3 -m 23",
     "variance fibonacci,sobol:warp=cosine,r2:warp=cylinder -n 16 --hemisphere --integrand phong:n=5 -m 23",
@@ -77,7 +77,7 @@ fn merged_files_are_bit_identical_to_those_of_one_run() {
 #[test]
 fn merged_comparisons_have_the_files_of_one_run() {
     for mode in [
-        "jittered,fibonacci,sobol:warp=uniform -n 12,48 --integrand env:map.exr -m 11",
+        "jittered,fibonacci,sobol:warp=cylinder -n 12,48 --integrand env:map.exr -m 11",
         "jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 11",
         "jittered,white-noise -n 12 --integrand ylm:l=2,m=0 -m 11 --spectrum-realizations 8",
     ] {
