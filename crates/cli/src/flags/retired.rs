@@ -163,7 +163,7 @@ mod tests {
     }
 
     /// Where work cannot be divided, the error names the commands whose work can; that of `choose`
-    /// says why.
+    /// has the reason.
     #[test]
     fn commands_without_shards_name_those_that_have_them() {
         let root = Cli::command();

@@ -120,7 +120,7 @@ fn a_partial_merge_has_the_trials_of_its_parts() {
 }
 
 #[test]
-fn what_cannot_be_divided_says_so() {
+fn what_cannot_be_divided_is_a_usage_error_with_the_reason() {
     let place = Workplace::new();
     let run = "variance jittered -n 48 --integrand cap:degrees=60 -m 10";
     for shard in ["--save a --shard 1/2", "--save a"] {
