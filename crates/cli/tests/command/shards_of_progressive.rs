@@ -25,7 +25,10 @@ fn parts_of_other_spaces_are_merged_to_one_run() {
             "progressive halton -n 4,9 --hemisphere --integrand cosine -m 6 --reference jittered,fibonacci",
             7,
         ),
-        ("progressive halton,sobol/cosine -n 6 --hemisphere --integrand vmf:kappa=4 -m 5", 3),
+        (
+            "progressive halton,sobol:warp=cosine,r2:warp=cosine -n 6 --hemisphere --integrand vmf:kappa=4 -m 5",
+            3,
+        ),
         ("progressive sobol,r2 --square -n 7 --integrand disk:radius=0.3 -m 5 -s 3", 3),
         ("progressive halton,white-noise -n 6 --integrand cosine -m 4 --no-rotate", 3),
     ] {
