@@ -1,12 +1,15 @@
 //! The command line: the list of subcommands.
 
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::commands::{
     accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, lights,
-    list, merge, progressive, quality, render, reproduce, rotations, sample, spectrum, variance,
-    weights,
+    list, merge, plan, progressive, quality, render, reproduce, rotations, sample, spectrum,
+    variance, weights,
 };
+use crate::error::CliError;
+use crate::flags;
 use crate::global::Global;
 use crate::shards::ShardArgs;
 
@@ -54,6 +57,9 @@ pub(crate) enum Command {
     /// Merge spectrum shards; the result is bit-identical to a single run
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
+    /// Write the job files of a command in parts for Slurm, HyperQueue, Dask or a shell, and report what is done
+    #[command(after_help = plan::EXAMPLES)]
+    Plan(plan::PlanArgs),
     /// Predict and measure the variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),
@@ -102,6 +108,36 @@ pub(crate) enum Command {
     /// Print completions for a shell, or write manual pages
     #[command(after_help = completions::EXAMPLES)]
     Completions(completions::CompletionsArgs),
+}
+
+impl Cli {
+    /// Returns the command with these words after the name of the program; if `is_overriding`, later
+    /// options take the place of earlier ones.
+    ///
+    /// # Errors
+    ///
+    /// If the words are no command.
+    pub(crate) fn of_words(words: &[String], is_overriding: bool) -> Result<Self, CliError> {
+        let all = std::iter::once("sphvar").chain(words.iter().map(String::as_str));
+        let matches = Self::command().args_override_self(is_overriding).try_get_matches_from(all);
+        let cli = matches.and_then(|matches| Self::from_arg_matches(&matches));
+        cli.map_err(|error| CliError::Usage(usage_message(error, words)))
+    }
+}
+
+/// Returns the message of an error about words that are no valid command line, without the usage and
+/// the advice for a terminal.
+pub(crate) fn usage_message(mut error: clap::Error, words: &[String]) -> String {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return "--help and --version are no commands".to_owned();
+    }
+    flags::retired::explain(&mut error, &Cli::command(), words);
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end));
+    let text = &text[..end.min().unwrap_or(text.len())];
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    lines.join(" ")
 }
 
 impl Command {

@@ -456,7 +456,7 @@ mod tests {
 
     #[test]
     fn given_sets_repeat_with_new_rotations() {
-        let session = Session::of_process(&[], true);
+        let session = Session::of_process(&[], true, None);
         let coordinates = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         let table =
             PointTable { coordinates, dimension: 3, sets: Some(3), ..PointTable::default() };
@@ -481,7 +481,7 @@ mod tests {
 
     #[test]
     fn requests_that_cannot_be_are_errors_in_the_words_of_the_command() {
-        let session = Session::of_process(&[], true);
+        let session = Session::of_process(&[], true, None);
         let message = |sampler: &str, n, is_randomized| {
             let sampler = sampler.to_owned();
             let request = DrawRequest { sampler, n, is_randomized, ..DrawRequest::default() };

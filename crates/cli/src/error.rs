@@ -21,6 +21,9 @@ pub(crate) enum CliError {
     /// The command line is valid but its execution failed: exit status 1.
     #[error("{0}")]
     Failed(String),
+    /// Parts of a plan are not done, which the output states: exit status 1.
+    #[error("not all parts are done")]
+    NotDone,
     /// The embedding program has stopped the work.
     #[error("{0}")]
     Stopped(Stopped),
@@ -34,7 +37,11 @@ impl CliError {
     pub(crate) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
-            Self::File(_) | Self::Memory(_) | Self::Failed(_) | Self::Stopped(_) => 1,
+            Self::File(_)
+            | Self::Memory(_)
+            | Self::Failed(_)
+            | Self::NotDone
+            | Self::Stopped(_) => 1,
             Self::ClosedPipe => 0,
         }
     }

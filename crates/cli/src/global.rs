@@ -1,5 +1,7 @@
 //! The flags that all subcommands share, and the session of the run.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use crate::session::Session;
@@ -32,6 +34,9 @@ pub(crate) struct Global {
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024)
     )]
     pub(crate) threads: usize,
+    /// Append what the run does to a file, one line of JSON each: start, progress, end or error
+    #[arg(long, global = true, value_name = "FILE", help_heading = HEADING)]
+    pub(crate) log: Option<PathBuf>,
     /// Where the run reports, and the arrays that it reads besides files.
     #[arg(skip)]
     pub(crate) session: Session,

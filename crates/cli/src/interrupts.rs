@@ -21,13 +21,13 @@ mod unix {
     /// within this time does not count as another request.
     const TWICE_AT_ONCE: Duration = Duration::from_millis(100);
 
-    /// Watches for signals in a separate thread: the first removes unfinished files and ends the
-    /// process, a later one ends it immediately.
+    /// Watches for signals in a separate thread: the first is reported with the exit status, removes
+    /// unfinished files and ends the process, a later one ends it immediately.
     ///
     /// # Errors
     ///
     /// If the system does not permit it.
-    pub(crate) fn watch() -> io::Result<()> {
+    pub(crate) fn watch(report: impl Fn(i32, i32) + Send + Sync + 'static) -> io::Result<()> {
         // Beyond the limit on file sizes, writing fails with an error instead of ending the
         // process.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
@@ -36,6 +36,7 @@ mod unix {
         let watched: Vec<i32> =
             ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0).collect();
         let mut signals = Signals::new(&watched)?;
+        let report = Arc::new(report);
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             let mut first = None;
             for signal in signals.forever() {
@@ -43,7 +44,11 @@ mod unix {
                 match first {
                     None => {
                         first = Some(Instant::now());
-                        thread::spawn(move || remove_all_and_exit(status));
+                        let report = Arc::clone(&report);
+                        thread::spawn(move || {
+                            report(signal, status);
+                            remove_all_and_exit(status)
+                        });
                     }
                     Some(at) if at.elapsed() >= TWICE_AT_ONCE => exit(status),
                     Some(_) => (),
@@ -71,6 +76,6 @@ pub(crate) use unix::watch;
 ///
 /// None.
 #[cfg(not(unix))]
-pub(crate) fn watch() -> std::io::Result<()> {
+pub(crate) fn watch(_report: impl Fn(i32, i32) + Send + Sync + 'static) -> std::io::Result<()> {
     Ok(())
 }

@@ -28,6 +28,7 @@ mod point_sets;
 mod profiles;
 mod progress;
 mod report;
+mod run_log;
 #[cfg(test)]
 mod schema;
 mod session;
@@ -40,12 +41,14 @@ mod values;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::global::Global;
+use crate::run_log::RunLog;
 use crate::session::Session;
 
 /// Runs the command with the arguments of the process and returns its exit status: 0 for success, 1
@@ -62,19 +65,46 @@ fn run_words(words: Vec<OsString>) -> u8 {
         Ok(cli) => cli,
         Err(error) => return usage(error, &words),
     };
-    cli.global.session = Session::of_process(&words, cli.global.quiet);
     files::record_used_files();
-    let watched = interrupts::watch()
+    let log = match open_log(&cli, &words) {
+        Ok(log) => log,
+        Err(error) => return failure(&error),
+    };
+    cli.global.session = Session::of_process(&words, cli.global.quiet, log.clone());
+    let for_signals = log.clone();
+    let report = move |signal, status| {
+        if let Some(log) = &for_signals {
+            log.interrupted(signal, status);
+        }
+    };
+    let watched = interrupts::watch(report)
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
-    match watched.and_then(|()| dispatch(cli)) {
+    let result = watched.and_then(|()| dispatch(cli));
+    if let Some(log) = log {
+        log.end(&result);
+    }
+    match result {
         Ok(()) => 0,
         // A reader that closes its pipe has received what it needs.
         Err(CliError::ClosedPipe) => 0,
-        Err(error) => {
-            message::write(&format!("error: {error}"));
-            error.status()
-        }
+        Err(error) => failure(&error),
     }
+}
+
+/// Opens the log of the run, if it has one.
+fn open_log(cli: &Cli, words: &[OsString]) -> Result<Option<Arc<RunLog>>, CliError> {
+    let Some(path) = &cli.global.log else { return Ok(None) };
+    let words: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+    let part = cli.command.sharding().and_then(|sharding| sharding.shard);
+    RunLog::open(path, &words, part).map(Some)
+}
+
+/// Reports an error and returns the exit status.
+fn failure(error: &CliError) -> u8 {
+    if !matches!(error, CliError::NotDone) {
+        message::write(&format!("error: {error}"));
+    }
+    error.status()
 }
 
 /// Prints the output of clap, which is help or a usage error, and returns the exit status: 0 or 2.
@@ -134,6 +164,7 @@ fn execute(command: Command, global: &Global) -> Result<(), CliError> {
         Command::Rotations(args) => commands::rotations::run(&args, global),
         Command::Spectrum(args) => commands::spectrum::run(&args, global),
         Command::Merge(args) => commands::merge::run(&args, global),
+        Command::Plan(args) => commands::plan::run(&args, global),
         Command::Variance(args) => commands::variance::run(&args, global),
         Command::Progressive(args) => commands::progressive::run(&args, global),
         Command::Integrate(args) => commands::integrate::run(&args, global),

@@ -12,11 +12,15 @@ use sphvar_samplers::{SECONDS_PER_WORK, Stopped};
 
 use crate::message;
 use crate::report::number;
+use crate::run_log::LoggedWork;
 use crate::session::Session;
 
 /// The progress of nominal work: that of the embedding program, or a bar on standard error. If
 /// standard error is not a terminal, lines at growing intervals take the place of the bar.
-pub(crate) struct Progress(Display);
+pub(crate) struct Progress {
+    display: Display,
+    log: Option<LoggedWork>,
+}
 
 enum Display {
     Host(Arc<dyn sphvar_samplers::Progress + Send + Sync>),
@@ -55,18 +59,22 @@ impl Progress {
     /// Returns the progress of `work` units, of which this process does its share.
     pub(crate) fn new(work: f64, session: &Session) -> Self {
         let work = work * session.tasks().share();
-        Self(match session.host_progress() {
+        let display = match session.host_progress() {
             Some(host) => {
                 host.expect(work);
                 Display::Host(host)
             }
             None => Display::Bar(Bar::new(work, session.shows_progress())),
-        })
+        };
+        Self { display, log: session.log().map(|log| LoggedWork::new(log, work)) }
     }
 
     /// Sets the description of the current stage.
     pub(crate) fn stage(&self, what: &str) {
-        if let Display::Bar(bar) = &self.0 {
+        if let Some(log) = &self.log {
+            log.stage(what);
+        }
+        if let Display::Bar(bar) = &self.display {
             bar.bar.set_message(message::escape(what).into_owned());
         }
     }
@@ -77,7 +85,10 @@ impl Progress {
     ///
     /// If the embedding program stops the work; an interrupt ends the process of the command.
     pub(crate) fn advance(&self, work: f64) -> Result<(), Stopped> {
-        match &self.0 {
+        if let Some(log) = &self.log {
+            log.advance(work);
+        }
+        match &self.display {
             Display::Host(host) => host.tick(work),
             Display::Bar(bar) => {
                 bar.advance(work);
@@ -88,7 +99,7 @@ impl Progress {
 
     /// Prints a line above the bar, if it is visible.
     pub(crate) fn line(&self, text: &str) {
-        if let Display::Bar(bar) = &self.0 {
+        if let Display::Bar(bar) = &self.display {
             bar.bar.println(text);
         }
     }
@@ -100,7 +111,10 @@ impl sphvar_samplers::Progress for Progress {
     }
 
     fn expect(&self, work: f64) {
-        match &self.0 {
+        if let Some(log) = &self.log {
+            log.expect(work);
+        }
+        match &self.display {
             Display::Host(host) => host.expect(work),
             Display::Bar(bar) => bar.expect(work),
         }
@@ -191,7 +205,7 @@ fn line(stage: &str, done: f64, seconds: f64) -> String {
 }
 
 /// Returns a time that is known to a factor of about 2.
-fn rough(seconds: f64) -> String {
+pub(crate) fn rough(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{:.0} s", s),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),

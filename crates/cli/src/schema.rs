@@ -20,6 +20,8 @@ use crate::commands::integrate::IntegrateBody;
 use crate::commands::lights::LightsBody;
 use crate::commands::list::ListBody;
 use crate::commands::over_rotations::OverRotationsBody;
+use crate::commands::plan::status::StatusBody;
+use crate::commands::plan::{Manifest, PlanBody};
 use crate::commands::progressive::record::ProgressiveBody;
 use crate::commands::quality::QualityBody;
 use crate::commands::quality::square_record::SquareQualityBody;
@@ -35,6 +37,7 @@ use crate::commands::spectrum::square_report::SquareSpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::commands::weights::WeightsBody;
 use crate::report::Document;
+use crate::run_log::LogLine;
 use crate::shards::PartBody;
 
 /// The variable that makes the test write the file instead of comparing it.
@@ -67,6 +70,8 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("integrate", document::<IntegrateBody>(generator)),
         ("lights", document::<LightsBody>(generator)),
         ("list", document::<ListBody>(generator)),
+        ("plan", document::<PlanBody>(generator)),
+        ("plan status", document::<StatusBody>(generator)),
         ("progressive", document::<ProgressiveBody>(generator)),
         ("quality", document::<QualityBody>(generator)),
         ("quality --square", document::<SquareQualityBody>(generator)),
@@ -89,6 +94,10 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
 fn schema() -> Value {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
     let documents = documents(&mut generator);
+    let files = json!({
+        "manifest.json of plan": Manifest::json_schema(&mut generator),
+        "lines of --log": LogLine::json_schema(&mut generator),
+    });
     let mut definitions = generator.take_definitions(true);
     definitions.sort_keys();
     let documents =
@@ -97,8 +106,10 @@ fn schema() -> Value {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Documents of sphvar",
         "description": "What `sphvar COMMAND --json` prints. Every document is described under `documents` by the \
-            name of its command. Numbers that cannot be given are null. Keys may be added.",
+            name of its command. Numbers that cannot be given are null. Keys may be added. Other files that scripts may read \
+            are under `files`.",
         "documents": documents.collect::<serde_json::Map<_, _>>(),
+        "files": files,
         "$defs": definitions,
     });
     unwrap_descriptions(&mut schema);

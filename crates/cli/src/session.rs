@@ -11,6 +11,7 @@ use sphvar_samplers::{Progress, Stopped};
 use crate::error::CliError;
 use crate::given::Given;
 use crate::message;
+use crate::run_log::RunLog;
 use crate::shards::Tasks;
 
 /// The arrays that a run reads besides files, and the place of its output, messages and progress:
@@ -27,6 +28,7 @@ pub struct Session {
 struct Inner {
     words: Vec<String>,
     channel: Channel,
+    log: Option<Arc<RunLog>>,
     /// The remarks of this run, each of which is reported once.
     remarked: Mutex<BTreeSet<String>>,
 }
@@ -67,13 +69,13 @@ impl Progress for Watched {
 impl Session {
     /// Returns the session of a process, with the words after its name; `quiet` omits messages and
     /// progress.
-    pub(crate) fn of_process(words: &[OsString], quiet: bool) -> Self {
+    pub(crate) fn of_process(words: &[OsString], quiet: bool, log: Option<Arc<RunLog>>) -> Self {
         let words = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
-        Self::with(words, Channel::Terminal { quiet }, Given::default())
+        Self::with(words, Channel::Terminal { quiet }, log, Given::default())
     }
 
-    fn with(words: Vec<String>, channel: Channel, given: Given) -> Self {
-        let inner = Arc::new(Inner { words, channel, remarked: Mutex::default() });
+    fn with(words: Vec<String>, channel: Channel, log: Option<Arc<RunLog>>, given: Given) -> Self {
+        let inner = Arc::new(Inner { words, channel, log, remarked: Mutex::default() });
         Self { inner, given, tasks: Tasks::default() }
     }
 
@@ -83,7 +85,7 @@ impl Session {
     pub fn new(progress: Arc<dyn Progress + Send + Sync>) -> Self {
         let progress = Arc::new(Watched { progress, is_stopped: AtomicBool::new(false) });
         let host = Host { progress, remarks: Arc::default(), output: Mutex::default() };
-        Self::with(Vec::new(), Channel::Host(host), Given::default())
+        Self::with(Vec::new(), Channel::Host(host), None, Given::default())
     }
 
     /// Returns the session of one run with these words after the name of the command. It shares
@@ -99,7 +101,7 @@ impl Session {
         };
         Self {
             tasks: self.tasks.clone(),
-            ..Self::with(words.to_vec(), channel, self.given.clone())
+            ..Self::with(words.to_vec(), channel, self.inner.log.clone(), self.given.clone())
         }
     }
 
@@ -116,7 +118,8 @@ impl Session {
 
     /// Returns a session with the same arrays that reports nothing.
     pub(crate) fn muted(&self) -> Self {
-        let muted = Self::with(Vec::new(), Channel::Terminal { quiet: true }, self.given.clone());
+        let channel = Channel::Terminal { quiet: true };
+        let muted = Self::with(Vec::new(), channel, None, self.given.clone());
         Self { tasks: self.tasks.clone(), ..muted }
     }
 
@@ -146,6 +149,11 @@ impl Session {
             Channel::Terminal { .. } => None,
             Channel::Host(host) => Some(Arc::clone(&host.progress) as _),
         }
+    }
+
+    /// Returns the log of the process.
+    pub(crate) fn log(&self) -> Option<Arc<RunLog>> {
+        self.inner.log.clone()
     }
 
     /// Returns whether the embedding program has stopped work.
@@ -200,7 +208,7 @@ impl Session {
 /// The session of a process without words.
 impl Default for Session {
     fn default() -> Self {
-        Self::of_process(&[], false)
+        Self::of_process(&[], false, None)
     }
 }
 

@@ -3,8 +3,9 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Arg, Args, CommandFactory, FromArgMatches};
+use clap::{Arg, Args, CommandFactory};
 
+use super::plan::Manifest;
 use crate::args::Cli;
 use crate::error::CliError;
 use crate::files::{AtomicFile, is_stdout, record_input};
@@ -25,7 +26,7 @@ instruction-set classes are an error, and so are parts that read different files
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// The files of --save of all parts
+    /// The files of --save of all parts, or the folder of a plan
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Where the command writes its results, in any form that it has [default: as it was said for the parts]
@@ -50,9 +51,10 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
         AtomicFile::check(path)?;
     }
     let mut files = Vec::new();
-    for path in &args.files {
-        files.push((path.display().to_string(), ShardFile::read(path)?));
-        record_input(path);
+    let mut memory = MAX_HELD;
+    for path in paths(args)? {
+        files.push((path.display().to_string(), ShardFile::read_within(&path, &mut memory)?));
+        record_input(&path);
     }
     let merged = ShardFile::merged(files)?;
     let (have, of) = (&merged.asked.parts, merged.asked.of);
@@ -81,10 +83,47 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
         merged.write(path)?;
     }
     let words = words(args, &merged.asked.words, global)?;
-    let (command, mut replayed) = parsed(&words)?;
+    let Cli { command, global: mut replayed } = Cli::of_words(&words, true)
+        .map_err(|error| CliError::Usage(format!("{command}: {error}")))?;
     let tasks = Tasks::of_results(merged, args.partial);
     replayed.session = global.session.with_tasks(&words, tasks);
     crate::execute(command, &replayed)
+}
+
+/// The maximum number of bytes of results that are held; others are read when they are added.
+const MAX_HELD: u64 = 1 << 28;
+
+/// Returns the files of the parts: those given, or those of a plan in their place.
+fn paths(args: &MergeArgs) -> Result<Vec<PathBuf>, CliError> {
+    let mut paths = Vec::new();
+    for path in &args.files {
+        if !path.is_dir() {
+            paths.push(path.clone());
+            continue;
+        }
+        let manifest = Manifest::of_folder(path)?;
+        let shown = path.display();
+        let parts = manifest.existing_parts(path);
+        if parts.is_empty() {
+            return Err(CliError::File(format!(
+                "no part of {shown} is done; see sphvar plan status {shown}"
+            )));
+        }
+        // Its inputs and outputs are relative to that folder.
+        let folder = manifest.working_folder();
+        let is_here = std::env::current_dir()
+            .and_then(|here| Ok(here.canonicalize()? == folder.canonicalize()?))
+            .unwrap_or(false);
+        if !is_here {
+            return Err(CliError::File(format!(
+                "the paths of the plan {shown} are relative to {}; run its script merge, or name its parts with \
+                 {shown}/parts/*.shard to merge them here",
+                folder.display()
+            )));
+        }
+        paths.extend(parts);
+    }
+    Ok(paths)
 }
 
 /// Returns the words of the command with the options of output of this one.
@@ -132,19 +171,6 @@ fn without(words: Vec<String>, flag: &str) -> Vec<String> {
         }
     }
     kept
-}
-
-/// Returns the command of words, in which later options take the place of earlier ones.
-fn parsed(words: &[String]) -> Result<(crate::args::Command, Global), CliError> {
-    let all = std::iter::once("sphvar").chain(words.iter().map(String::as_str));
-    let matches = Cli::command().args_override_self(true).try_get_matches_from(all);
-    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
-        let text = error.to_string();
-        let first = text.lines().next().unwrap_or_default();
-        let first = first.strip_prefix("error: ").unwrap_or(first);
-        CliError::Usage(format!("sphvar {}: {first}", words.join(" ")))
-    })?;
-    Ok((cli.command, cli.global))
 }
 
 /// The maximum number of parts in a message.

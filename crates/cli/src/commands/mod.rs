@@ -14,6 +14,7 @@ pub(crate) mod integrate;
 pub(crate) mod lights;
 pub(crate) mod list;
 pub(crate) mod merge;
+pub(crate) mod plan;
 pub(crate) mod progressive;
 pub(crate) mod quality;
 pub(crate) mod render;

@@ -6,17 +6,16 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
 use super::Failure;
-use crate::args::{Cli, Command};
-use crate::flags;
+use crate::args::{Cli, Command, usage_message};
 use crate::global::Global;
-use crate::message;
 
 /// The identifiers of options that write files, and of the number of threads, which is that of the
 /// embedding program.
-const REJECTED: [(&str, &str); 9] = [
+const REJECTED: [(&str, &str); 10] = [
     ("out", WRITES),
     ("force", WRITES),
     ("save", WRITES),
+    ("log", WRITES),
     ("shard", WRITES),
     ("per_order", WRITES),
     ("coefficient", WRITES),
@@ -28,7 +27,8 @@ const REJECTED: [(&str, &str); 9] = [
 const WRITES: &str = "it writes a file, and results are returned here";
 
 /// Commands without an answer.
-const WITHOUT_ANSWER: [&str; 5] = ["sample", "render", "reproduce", "accuracy", "completions"];
+const WITHOUT_ANSWER: [&str; 6] =
+    ["sample", "render", "reproduce", "accuracy", "plan", "completions"];
 
 /// Returns the subcommand of the words after the name of the command, `--json` among them, and the
 /// common options.
@@ -76,14 +76,8 @@ fn check(matches: &ArgMatches) -> Result<(), Failure> {
 
 /// Returns the failure of words that are no valid command line, without the usage and advice for a
 /// terminal.
-fn failure(mut error: clap::Error, words: &[String]) -> Failure {
-    flags::retired::explain(&mut error, &Cli::command(), words);
-    let text = error.to_string();
-    let text = text.strip_prefix("error: ").unwrap_or(&text);
-    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end));
-    let text = &text[..end.min().unwrap_or(text.len())];
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    Failure::usage(message::clean(&lines.join(" ")))
+fn failure(error: clap::Error, words: &[String]) -> Failure {
+    Failure::usage(usage_message(error, words))
 }
 
 #[cfg(test)]

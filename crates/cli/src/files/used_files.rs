@@ -37,7 +37,7 @@ pub(crate) fn inputs() -> Vec<(String, PathBuf)> {
 }
 
 /// Records that `path` has been written.
-pub(super) fn record_output(path: &Path) {
+pub(crate) fn record_output(path: &Path) {
     with(|used| {
         if let (Some(used), Ok(path)) = (used, fs::canonicalize(path)) {
             used.outputs.insert(path);

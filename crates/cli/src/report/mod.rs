@@ -4,7 +4,7 @@ use std::path::Path;
 
 pub(crate) use self::document::{Document, Forms, emit};
 pub(crate) use self::number::full;
-pub(crate) use self::provenance::Provenance;
+pub(crate) use self::provenance::{Provenance, quoted};
 pub(crate) use self::rows::{csv, csv_of, csv_of_present, csv_rows};
 pub(crate) use self::table::{Column, table, table_of};
 use crate::error::CliError;

@@ -11,7 +11,8 @@ use crate::session::Session;
 /// The data that make a result reproducible.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Provenance {
-    /// The command line as a shell takes it, without the number of threads, on which results do not depend.
+    /// The command line as a shell takes it, without the number of threads and the log, on which results do not
+    /// depend.
     pub(crate) command: String,
     /// The version of sphvar.
     pub(crate) version: Cow<'static, str>,
@@ -24,7 +25,7 @@ impl Provenance {
     pub(crate) fn new(session: &Session, seed: u64) -> Self {
         // A line break would end the comment in which the command is written.
         let words = session.words().iter().map(|word| quoted(&message::escape(word)));
-        Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
+        Self::of(format!("sphvar {}", without_run_options(words).join(" ")), seed)
     }
 
     /// Returns the provenance of a canonical command of this run.
@@ -58,7 +59,7 @@ impl Provenance {
 }
 
 /// Returns a word as a shell takes it, in single quotes unless it has only characters that mean nothing to a shell.
-fn quoted(word: &str) -> String {
+pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_@%+=:,./-".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         word.to_owned()
@@ -67,13 +68,13 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Returns the words of a command line without `-j` and `--threads` and their values.
-fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
+/// Returns the words of a command line without `-j`, `--threads` and `--log` and their values.
+fn without_run_options(mut words: impl Iterator<Item = String>) -> Vec<String> {
     let mut kept = Vec::new();
     while let Some(word) = words.next() {
-        if word == "-j" || word == "--threads" {
+        if ["-j", "--threads", "--log"].contains(&&*word) {
             words.next();
-        } else if !word.starts_with("-j") && !word.starts_with("--threads=") {
+        } else if !["-j", "--threads=", "--log="].iter().any(|option| word.starts_with(option)) {
             kept.push(word);
         }
     }

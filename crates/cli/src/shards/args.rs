@@ -32,6 +32,9 @@ pub(crate) struct ShardArgs {
     /// Keep the work in a file, for `sphvar merge`; the same command continues interrupted work
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
+    /// If another process computes the same part, wait for its end instead of failing
+    #[arg(long, requires = "save")]
+    pub(crate) wait: bool,
 }
 
 impl ShardArgs {
@@ -51,7 +54,7 @@ impl ShardArgs {
             return Err(CliError::Usage("--save must name a file".to_owned()));
         }
         AtomicFile::check(path)?;
-        Tasks::of_part(Asked::new(words, self), self.part(), path)
+        Tasks::of_part(Asked::new(words, self), self.part(), path, self.wait)
     }
 
     /// Reports a finished part; the whole work has reported its results.

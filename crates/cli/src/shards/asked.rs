@@ -29,10 +29,15 @@ impl Asked {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             instruction_set: instruction_set(),
-            words: without_own(words),
+            words: Self::words_of(words),
             parts: vec![part],
             of: parts,
         }
+    }
+
+    /// Returns the words of a command that its results depend on.
+    pub(crate) fn words_of(words: &[String]) -> Vec<String> {
+        without_own(words)
     }
 
     /// Returns the command in one line.
@@ -68,12 +73,13 @@ impl Asked {
 }
 
 /// The flags that do not change results, and whether a value follows.
-const OWN: [(&str, bool); 7] = [
+const OWN: [(&str, bool); 8] = [
     ("--shard", true),
     ("--save", true),
     ("--threads", true),
     ("-j", true),
     ("--log", true),
+    ("--wait", false),
     ("--json", false),
     ("--quiet", false),
 ];
@@ -109,7 +115,7 @@ mod tests {
     fn words_that_change_no_result_are_left_out() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         for text in [
-            "spectrum jittered -n 4 --shard 1/2 --save a",
+            "spectrum jittered -n 4 --shard 1/2 --save a --wait",
             "spectrum --json jittered -j 3 -n 4 --shard=1/2 --save=a --quiet",
             "-j3 spectrum jittered --threads 2 -n 4 --log x",
             "spectrum jittered -n 4 --threads=2 --log=x",

@@ -4,12 +4,16 @@
 //! the record (4 bytes), record`, little-endian. A complete file ends with a record that counts the
 //! others; work that was interrupted has left a file without one.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Write};
-use std::path::Path;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Asked;
 use super::fingerprint::Fingerprint;
@@ -41,8 +45,39 @@ pub(super) struct Piece {
     /// The units, from the first to before the last.
     pub(super) start: u64,
     pub(super) end: u64,
-    #[serde(with = "bytes")]
-    pub(super) result: Vec<u8>,
+    pub(super) result: Content,
+}
+
+/// A result, or the place where it is: those of a large merge do not fit in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Content {
+    Held(Vec<u8>),
+    /// In the record at this position of a file.
+    InFile(Arc<PathBuf>, u64),
+}
+
+impl Content {
+    /// Returns the bytes of the result.
+    ///
+    /// # Errors
+    ///
+    /// If the file has changed since it was read, or cannot be read again.
+    pub(super) fn bytes(&self) -> Result<Cow<'_, [u8]>, FileError> {
+        let (path, position) = match self {
+            Self::Held(bytes) => return Ok(Cow::Borrowed(bytes)),
+            Self::InFile(path, position) => (path, *position),
+        };
+        let mut reader = Reader::open(path)?;
+        let failed = |source| FileError::Read { path: path.display().to_string(), source };
+        reader.input.seek(SeekFrom::Start(position)).map_err(failed)?;
+        reader.position = position;
+        match reader.next(path)? {
+            Found::Record(Record::Piece(_, Piece { result: Self::Held(bytes), .. })) => {
+                Ok(Cow::Owned(bytes))
+            }
+            _ => Err(wrong(path, "one that has changed meanwhile")),
+        }
+    }
 }
 
 /// A record of a file.
@@ -76,6 +111,17 @@ impl ShardFile {
     ///
     /// If it cannot be read, has another form, is incomplete or damaged.
     pub(crate) fn read(path: &Path) -> Result<Self, FileError> {
+        let mut memory = u64::MAX;
+        Self::read_within(path, &mut memory)
+    }
+
+    /// Reads a complete file and keeps at most `memory` bytes of results, from which those that are
+    /// kept are subtracted; others are read again when they are needed.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_within(path: &Path, memory: &mut u64) -> Result<Self, FileError> {
         let wrong = |got: &str| wrong(path, got);
         let mut reader = Reader::open(path)?;
         let Found::Record(Record::Asked(asked)) = reader.next(path)? else {
@@ -83,7 +129,9 @@ impl ShardFile {
         };
         let mut file = Self::new(asked);
         let mut records = 1;
+        let shared = Arc::new(path.to_path_buf());
         loop {
+            let position = reader.position;
             match reader.next(path)? {
                 Found::Record(Record::End(count))
                     if count == records && reader.position == reader.length =>
@@ -94,22 +142,29 @@ impl ShardFile {
                     return Err(wrong("a damaged one"));
                 }
                 Found::End => return Err(wrong("its beginning only; run its command again")),
-                Found::Record(record) => file.add(record),
+                Found::Record(mut record) => {
+                    if let Record::Piece(_, Piece { result, .. }) = &mut record {
+                        let bytes = reader.position - position;
+                        match memory.checked_sub(bytes) {
+                            Some(left) => *memory = left,
+                            None => *result = Content::InFile(Arc::clone(&shared), position),
+                        }
+                    }
+                    file.add(record);
+                }
             }
             records += 1;
         }
     }
 
-    /// Reads the question of a file and which parts it has.
+    /// Reads the question of a complete file and which parts it has, and checks the rest.
     ///
     /// # Errors
     ///
-    /// If it cannot be read, has another form or is damaged at its beginning.
-    pub(crate) fn read_asked(path: &Path) -> Result<Asked, FileError> {
-        match Reader::open(path)?.next(path)? {
-            Found::Record(Record::Asked(asked)) => Ok(asked),
-            _ => Err(wrong(path, "a damaged one")),
-        }
+    /// Those of [`read`](Self::read).
+    pub(crate) fn verify(path: &Path) -> Result<Asked, FileError> {
+        let mut memory = 0;
+        Ok(Self::read_within(path, &mut memory)?.asked)
     }
 
     /// Reads the records of unfinished work up to the first damaged one, and the length of the valid
@@ -203,7 +258,10 @@ impl ShardFile {
         }
         for (name, pieces) in &self.results {
             for piece in pieces {
-                write_record(out, &Record::Piece(name.clone(), piece.clone()))?;
+                let Piece { count, start, end, .. } = *piece;
+                let bytes = piece.result.bytes().map_err(io::Error::other)?.into_owned();
+                let piece = Piece { count, start, end, result: Content::Held(bytes) };
+                write_record(out, &Record::Piece(name.clone(), piece))?;
                 records += 1;
             }
         }
@@ -306,31 +364,29 @@ impl<R: Read> Reader<R> {
     }
 }
 
-/// Bytes in one piece: as a list, each would be a number of its own.
-mod bytes {
-    use std::fmt;
-
-    use serde::de::{Error, Visitor};
-    use serde::{Deserializer, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_bytes(bytes)
+/// Results are bytes in one piece: as a list, each would be a number of its own.
+impl Serialize for Content {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Held(bytes) => serializer.serialize_bytes(bytes),
+            Self::InFile(..) => Err(serde::ser::Error::custom("the result is in a file")),
+        }
     }
+}
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Vec<u8>, D::Error> {
+impl<'de> Deserialize<'de> for Content {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Bytes;
 
         impl Visitor<'_> for Bytes {
-            type Value = Vec<u8>;
+            type Value = Content;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("bytes")
             }
 
-            fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
-                Ok(bytes.to_vec())
+            fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> Result<Content, E> {
+                Ok(Content::Held(bytes.to_vec()))
             }
         }
 

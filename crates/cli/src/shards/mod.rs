@@ -24,3 +24,4 @@ pub(crate) use asked::Asked;
 pub(crate) use file::ShardFile;
 pub(crate) use part::Part;
 pub(crate) use tasks::{Divided, Tasks};
+pub(crate) use unfinished::UnfinishedWork;

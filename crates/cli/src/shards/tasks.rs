@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sphvar_samplers::SECONDS_PER_WORK;
 
-use super::file::{Piece, Record, Results, ShardFile};
+use super::file::{Content, Piece, Record, Results, ShardFile};
 use super::fingerprint::Fingerprint;
 use super::unfinished::Unfinished;
 use super::{Asked, Part};
@@ -34,6 +34,14 @@ enum Kind {
     All,
     Part(Arc<PartOfRun>),
     Merged(Arc<MergedRun>),
+    Planned(Arc<PlannedRun>),
+}
+
+/// A run that computes nothing: it shows which tasks a part would have.
+struct PlannedRun {
+    part: Part,
+    /// The number of units of all tasks so far.
+    units: Mutex<u64>,
 }
 
 /// A run that keeps its results.
@@ -87,9 +95,15 @@ impl Tasks {
     ///
     /// # Errors
     ///
-    /// If another process has the unfinished work open, or it is of another question.
-    pub(crate) fn of_part(asked: Asked, part: Part, target: &Path) -> Result<Self, CliError> {
-        let (unfinished, mut known) = Unfinished::open(target, &asked)?;
+    /// If another process has the unfinished work open and `waits` is false, or it is of another
+    /// question.
+    pub(crate) fn of_part(
+        asked: Asked,
+        part: Part,
+        target: &Path,
+        waits: bool,
+    ) -> Result<Self, CliError> {
+        let (unfinished, mut known) = Unfinished::open(target, &asked, waits)?;
         if let Ok(done) = ShardFile::read(target)
             && done.asked == asked
         {
@@ -113,10 +127,24 @@ impl Tasks {
         Self(Kind::Merged(Arc::new(MergedRun { known, is_partial, are_inputs_checked })))
     }
 
+    /// Returns the tasks of a run that checks a command as one of its parts does and computes nothing.
+    pub(crate) fn planned(part: Part) -> Self {
+        Self(Kind::Planned(Arc::new(PlannedRun { part, units: Mutex::default() })))
+    }
+
+    /// Returns the number of units of all tasks of a planned run, an indivisible task being one.
+    pub(crate) fn planned_units(&self) -> u64 {
+        match &self.0 {
+            Kind::Planned(run) => *lock(&run.units),
+            Kind::All | Kind::Part(_) | Kind::Merged(_) => 0,
+        }
+    }
+
     /// Returns the part that the run computes.
     pub(crate) fn part(&self) -> Part {
         match &self.0 {
             Kind::Part(run) => run.part,
+            Kind::Planned(run) => run.part,
             Kind::All | Kind::Merged(_) => Part::WHOLE,
         }
     }
@@ -134,7 +162,7 @@ impl Tasks {
     /// Returns the share of the work that this run does, for progress.
     pub(crate) fn share(&self) -> f64 {
         match &self.0 {
-            Kind::Merged(_) => 0.0,
+            Kind::Merged(_) | Kind::Planned(_) => 0.0,
             _ => (self.part().parts as f64).recip(),
         }
     }
@@ -155,6 +183,10 @@ impl Tasks {
             Kind::Merged(run) => {
                 let pieces = run.pieces(name)?;
                 return pieces.first().map(|piece| decode(name, piece)).transpose();
+            }
+            Kind::Planned(run) => {
+                run.add(1);
+                return Ok(None);
             }
             Kind::Part(run) => run,
         };
@@ -195,6 +227,10 @@ impl Tasks {
         let run = match &self.0 {
             Kind::All => return compute(0..count).map(Some),
             Kind::Merged(run) => return run.sum(name, count, append),
+            Kind::Planned(run) => {
+                run.add(count);
+                return Ok(None);
+            }
             Kind::Part(run) => run,
         };
         let range = run.range(count);
@@ -267,7 +303,7 @@ fn units(affordable: f64, threads: usize) -> u64 {
 }
 
 fn decode<T: DeserializeOwned>(name: &str, piece: &Piece) -> Result<T, CliError> {
-    postcard::from_bytes(&piece.result)
+    postcard::from_bytes(&piece.result.bytes()?)
         .map_err(|_| CliError::File(format!("the saved result of {name} has another form")))
 }
 
@@ -343,6 +379,13 @@ impl PartOfRun {
     }
 }
 
+impl PlannedRun {
+    fn add(&self, units: u64) {
+        let mut all = lock(&self.units);
+        *all = all.saturating_add(units);
+    }
+}
+
 impl State {
     fn append(&mut self, record: &Record) -> Result<(), CliError> {
         self.unfinished.as_mut().map_or(Ok(()), |file| file.append(&self.asked, record))
@@ -351,7 +394,7 @@ impl State {
 
 fn piece<T: Serialize>(units: Range<u64>, count: u64, result: &T) -> Result<Piece, CliError> {
     let result = postcard::to_stdvec(result).map_err(CliError::failed)?;
-    Ok(Piece { count, start: units.start, end: units.end, result })
+    Ok(Piece { count, start: units.start, end: units.end, result: Content::Held(result) })
 }
 
 fn fingerprint(name: &str, path: &Path) -> Result<Fingerprint, CliError> {
@@ -422,6 +465,7 @@ impl fmt::Debug for Tasks {
             Kind::All => f.write_str("all"),
             Kind::Part(run) => write!(f, "part {}", run.part),
             Kind::Merged(_) => f.write_str("merged"),
+            Kind::Planned(_) => f.write_str("planned"),
         }
     }
 }

@@ -16,6 +16,8 @@ use crate::files::{FileError, is_at};
 #[derive(Debug)]
 pub(super) struct Unfinished {
     path: PathBuf,
+    /// Whether to wait for another process that has the file open.
+    waits: bool,
     file: Option<File>,
 }
 
@@ -25,11 +27,14 @@ impl Unfinished {
     ///
     /// # Errors
     ///
-    /// If it cannot be opened, another process has it open, or it is of another question.
-    pub(super) fn open(target: &Path, asked: &Asked) -> Result<(Self, ShardFile), CliError> {
-        let mut name = target.as_os_str().to_owned();
-        name.push(".unfinished");
-        let mut unfinished = Self { path: PathBuf::from(name), file: None };
+    /// If it cannot be opened, another process has it open and `waits` is false, or it is of another
+    /// question.
+    pub(super) fn open(
+        target: &Path,
+        asked: &Asked,
+        waits: bool,
+    ) -> Result<(Self, ShardFile), CliError> {
+        let mut unfinished = Self { path: unfinished_path(target), waits, file: None };
         let nothing = ShardFile::new(asked.clone());
         if !unfinished.path.exists() {
             return Ok((unfinished, nothing));
@@ -70,7 +75,9 @@ impl Unfinished {
             options.read(true).write(true).create(true).truncate(false);
             let file = options.open(&self.path).map_err(|source| self.error(source))?;
             // On a file system without locks the file is unprotected, but the run continues.
-            if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            if self.waits {
+                let _ = file.lock();
+            } else if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
                 return Err(CliError::File(format!(
                     "{} is in use: another process computes the same part",
                     self.path.display()
@@ -113,5 +120,35 @@ impl Unfinished {
 
     fn error(&self, source: io::Error) -> FileError {
         FileError::Write { path: self.path.display().to_string(), source }
+    }
+}
+
+/// Returns the path of the unfinished work for the results in `target`.
+fn unfinished_path(target: &Path) -> PathBuf {
+    let mut name = target.as_os_str().to_owned();
+    name.push(".unfinished");
+    PathBuf::from(name)
+}
+
+/// Unfinished work as another process finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum UnfinishedWork {
+    /// There is none.
+    None,
+    /// A process continues it.
+    Open,
+    /// The process that computed it has ended.
+    Left,
+}
+
+impl UnfinishedWork {
+    /// Returns what there is of the results in `target`.
+    pub(crate) fn of(target: &Path) -> Self {
+        let Ok(file) = File::open(unfinished_path(target)) else { return Self::None };
+        // Processes that open the file at the same moment would find it in use, unless they wait.
+        match file.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => Self::Open,
+            _ => Self::Left,
+        }
     }
 }

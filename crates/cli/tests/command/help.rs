@@ -4,13 +4,14 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 22] = [
+const SUBCOMMANDS: [&str; 23] = [
     "compare",
     "choose",
     "rotations",
     "sample",
     "spectrum",
     "merge",
+    "plan",
     "variance",
     "progressive",
     "integrate",
@@ -192,7 +193,8 @@ fn manual_pages_describe_every_subcommand() {
     place.run("completions --man share/man1").ok();
     let names = place.names_in("share/man1");
     let evals = ["cap-power", "legendre", "profile", "ylm"].map(|name| format!("eval {name}"));
-    let commands = SUBCOMMANDS.iter().map(|&name| name.to_owned()).chain(evals);
+    let nested = evals.into_iter().chain(["plan status".to_owned()]);
+    let commands = SUBCOMMANDS.iter().map(|&name| name.to_owned()).chain(nested);
     let mut count = 1;
     assert!(names.contains(&"sphvar.1".to_owned()), "{names:?}");
     for command in commands {

@@ -35,6 +35,7 @@ mod pairs;
 mod parts_of_runs;
 mod parts_of_variances;
 mod pipes;
+mod plan;
 mod precision;
 mod progressive;
 mod qualities;

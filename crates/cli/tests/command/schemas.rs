@@ -114,11 +114,16 @@ fn root() -> Value {
 }
 
 /// Returns the violations of the schema of a command by a document.
-fn faults(command: &str, document: &Value) -> Vec<String> {
+pub(crate) fn faults(command: &str, document: &Value) -> Vec<String> {
+    faults_of("documents", command, document)
+}
+
+/// Returns the violations of a schema of the section `documents` or `files`.
+pub(crate) fn faults_of(section: &str, name: &str, document: &Value) -> Vec<String> {
     let (root, mut faults) = (root(), Vec::new());
-    let schema = &root["documents"][command];
-    assert!(schema.is_object(), "the schema has no {command}");
-    check(&root, schema, document, command, &mut faults);
+    let schema = &root[section][name];
+    assert!(schema.is_object(), "the schema has no {name}");
+    check(&root, schema, document, name, &mut faults);
     faults
 }
 
@@ -133,6 +138,9 @@ fn documents_fit_their_schema() {
     place.run("spectrum poisson-disk -n 24 -m 4 --lmax 4 --shard 2/2 --save b.shard").ok();
     place.run("spectrum sobol --square -n 8 -m 4 --kmax 3 --shard 1/2 --save c.shard").ok();
     place.run("spectrum sobol --square -n 8 -m 4 --kmax 3 --shard 2/2 --save d.shard").ok();
+    let spectrum = "spectrum jittered -n 12 -m 4";
+    place.run(&format!("plan --shards 1 --for shell -o done -- {spectrum}")).ok();
+    place.run(&format!("{spectrum} --shard 1/1 --save done/parts/0001.shard")).ok();
     place.write("square.csv", "u,v,w\n0.5,0.25,1\n0,0.75,-3\n");
     let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");
@@ -165,6 +173,8 @@ fn documents_fit_their_schema() {
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("list", "list --square"),
+        ("plan", "plan --shards 2 --for shell -o job spectrum jittered -n 12 -m 4"),
+        ("plan status", "plan status done"),
         ("progressive", "progressive sobol,white-noise -n 20 --integrand cap:degrees=60 -m 20"),
         ("progressive", "progressive halton -n 4,8 --integrand ylm:l=1 -m 20 --no-rotate"),
         ("progressive", "progressive r2 --square -n 6 --integrand disk:radius=0.3 -m 20"),
