@@ -57,7 +57,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
         record_input(&path);
     }
     let merged = ShardFile::merged(files)?;
-    let (have, of) = (&merged.asked.parts, merged.asked.of);
+    let (have, of) = (&merged.request.parts, merged.request.of);
     let missing: Vec<u64> = missing(have, of).take(MAX_LISTED + 1).collect();
     if !missing.is_empty() && !args.partial {
         return Err(CliError::File(format!(
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
             "the given parts have no results: other parts have them".to_owned(),
         ));
     }
-    let command = merged.asked.command();
+    let command = merged.request.command();
     global.session.say(&if missing.is_empty() {
         format!("{command}: all {of} parts")
     } else {
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.save {
         merged.write(path)?;
     }
-    let words = words(args, &merged.asked.words, global)?;
+    let words = words(args, &merged.request.words, global)?;
     let Cli { command, global: mut replayed } = Cli::of_words(&words, true)
         .map_err(|error| CliError::Usage(format!("{command}: {error}")))?;
     let tasks = Tasks::of_results(merged, args.partial);
@@ -127,8 +127,8 @@ fn paths(args: &MergeArgs) -> Result<Vec<PathBuf>, CliError> {
 }
 
 /// Returns the words of the command with the options of output of this one.
-fn words(args: &MergeArgs, asked: &[String], global: &Global) -> Result<Vec<String>, CliError> {
-    let mut words = asked.to_vec();
+fn words(args: &MergeArgs, request: &[String], global: &Global) -> Result<Vec<String>, CliError> {
+    let mut words = request.to_vec();
     let utf8 = |word: &OsString| {
         let shown = || CliError::Usage(format!("{} is not valid UTF-8", word.display()));
         word.to_str().map(str::to_owned).ok_or_else(shown)

@@ -6,7 +6,7 @@ use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{Asked, Part, Tasks};
+use super::{Part, Request, Tasks};
 use crate::error::CliError;
 use crate::files::{AtomicFile, is_stdout};
 use crate::global::Global;
@@ -54,7 +54,7 @@ impl ShardArgs {
             return Err(CliError::Usage("--save must name a file".to_owned()));
         }
         AtomicFile::check(path)?;
-        Tasks::of_part(Asked::new(words, self), self.part(), path, self.wait)
+        Tasks::of_part(Request::new(words, self), self.part(), path, self.wait)
     }
 
     /// Reports a finished part; the whole work has reported its results.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Asked;
+use super::Request;
 use super::fingerprint::Fingerprint;
 use crate::error::CliError;
 use crate::files::{AtomicFile, FileError, Place};
@@ -28,7 +28,7 @@ const FORM: &[u8] = b"5\n";
 /// The content of a shard file.
 #[derive(Clone, Debug)]
 pub(crate) struct ShardFile {
-    pub(crate) asked: Asked,
+    pub(crate) request: Request,
     /// The files that were read, by the names in the command.
     pub(super) inputs: BTreeMap<String, Fingerprint>,
     pub(super) results: Results,
@@ -83,7 +83,7 @@ impl Content {
 /// A record of a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum Record {
-    Asked(Asked),
+    Request(Request),
     Input(String, Fingerprint),
     Piece(String, Piece),
     /// The end of a complete file, with the number of records before it.
@@ -101,8 +101,8 @@ enum Found {
 
 impl ShardFile {
     /// Returns a file without results.
-    pub(super) fn new(asked: Asked) -> Self {
-        Self { asked, inputs: BTreeMap::new(), results: Results::new() }
+    pub(super) fn new(request: Request) -> Self {
+        Self { request, inputs: BTreeMap::new(), results: Results::new() }
     }
 
     /// Reads a complete file.
@@ -124,10 +124,10 @@ impl ShardFile {
     pub(crate) fn read_within(path: &Path, memory: &mut u64) -> Result<Self, FileError> {
         let wrong = |got: &str| wrong(path, got);
         let mut reader = Reader::open(path)?;
-        let Found::Record(Record::Asked(asked)) = reader.next(path)? else {
+        let Found::Record(Record::Request(request)) = reader.next(path)? else {
             return Err(wrong("a damaged one"));
         };
-        let mut file = Self::new(asked);
+        let mut file = Self::new(request);
         let mut records = 1;
         let shared = Arc::new(path.to_path_buf());
         loop {
@@ -138,7 +138,7 @@ impl ShardFile {
                 {
                     return Ok(file);
                 }
-                Found::Record(Record::End(_) | Record::Asked(_)) | Found::Damaged => {
+                Found::Record(Record::End(_) | Record::Request(_)) | Found::Damaged => {
                     return Err(wrong("a damaged one"));
                 }
                 Found::End => return Err(wrong("its beginning only; run its command again")),
@@ -162,9 +162,9 @@ impl ShardFile {
     /// # Errors
     ///
     /// Those of [`read`](Self::read).
-    pub(crate) fn verify(path: &Path) -> Result<Asked, FileError> {
+    pub(crate) fn verify(path: &Path) -> Result<Request, FileError> {
         let mut memory = 0;
-        Ok(Self::read_within(path, &mut memory)?.asked)
+        Ok(Self::read_within(path, &mut memory)?.request)
     }
 
     /// Reads the records of unfinished work up to the first damaged one, and the length of the valid
@@ -172,8 +172,8 @@ impl ShardFile {
     pub(super) fn read_unfinished(file: &File) -> Option<(Self, u64)> {
         let length = file.metadata().ok()?.len();
         let mut reader = Reader::new(BufReader::new(file), length)?;
-        let Ok(Some(Record::Asked(asked))) = reader.record() else { return None };
-        let mut read = Self::new(asked);
+        let Ok(Some(Record::Request(request))) = reader.record() else { return None };
+        let mut read = Self::new(request);
         let mut valid = reader.position;
         while let Ok(Some(record)) = reader.record() {
             read.add(record);
@@ -198,12 +198,12 @@ impl ShardFile {
             return Err(CliError::Usage("no files to merge".to_owned()));
         };
         let owned = |part: &u64| (*part, first.clone());
-        let mut owners: BTreeMap<u64, String> = all.asked.parts.iter().map(owned).collect();
+        let mut owners: BTreeMap<u64, String> = all.request.parts.iter().map(owned).collect();
         let mut readers: BTreeMap<String, String> =
             all.inputs.keys().map(|input| (input.clone(), first.clone())).collect();
         for (name, file) in files {
-            all.asked.check_same(&file.asked, [&first, &name])?;
-            for part in file.asked.parts {
+            all.request.check_same(&file.request, [&first, &name])?;
+            for part in file.request.parts {
                 if let Some(other) = owners.insert(part, name.clone()) {
                     return Err(CliError::File(format!("part {part} is in {other} and in {name}")));
                 }
@@ -222,7 +222,7 @@ impl ShardFile {
                 all.results.entry(task).or_default().extend(pieces);
             }
         }
-        all.asked.parts = owners.into_keys().collect();
+        all.request.parts = owners.into_keys().collect();
         Ok(all)
     }
 
@@ -232,7 +232,7 @@ impl ShardFile {
                 self.inputs.insert(name, fingerprint);
             }
             Record::Piece(name, piece) => self.results.entry(name).or_default().push(piece),
-            Record::Asked(_) | Record::End(_) => {}
+            Record::Request(_) | Record::End(_) => {}
         }
     }
 
@@ -250,7 +250,7 @@ impl ShardFile {
 
     fn write_records(&self, out: &mut impl Write) -> io::Result<()> {
         out.write_all(&[NAME, FORM].concat())?;
-        write_record(out, &Record::Asked(self.asked.clone()))?;
+        write_record(out, &Record::Request(self.request.clone()))?;
         let mut records = 1;
         for (name, fingerprint) in &self.inputs {
             write_record(out, &Record::Input(name.clone(), *fingerprint))?;
@@ -270,9 +270,9 @@ impl ShardFile {
 }
 
 /// Writes the first bytes of unfinished work.
-pub(super) fn write_start(out: &mut impl Write, asked: &Asked) -> io::Result<()> {
+pub(super) fn write_start(out: &mut impl Write, request: &Request) -> io::Result<()> {
     out.write_all(&[NAME, FORM].concat())?;
-    write_record(out, &Record::Asked(asked.clone()))
+    write_record(out, &Record::Request(request.clone()))
 }
 
 /// Writes a record.

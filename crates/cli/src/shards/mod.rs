@@ -10,18 +10,18 @@
 //! command with the results of all parts, so it writes every form that the command writes.
 
 mod args;
-mod asked;
 mod file;
 mod fingerprint;
 mod part;
+mod request;
 mod tasks;
 mod unfinished;
 
 #[cfg(test)]
 pub(crate) use args::PartBody;
 pub(crate) use args::ShardArgs;
-pub(crate) use asked::Asked;
 pub(crate) use file::ShardFile;
 pub(crate) use part::Part;
+pub(crate) use request::Request;
 pub(crate) use tasks::{Divided, Tasks};
 pub(crate) use unfinished::UnfinishedWork;

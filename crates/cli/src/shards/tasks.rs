@@ -14,7 +14,7 @@ use sphvar_samplers::SECONDS_PER_WORK;
 use super::file::{Content, Piece, Record, Results, ShardFile};
 use super::fingerprint::Fingerprint;
 use super::unfinished::Unfinished;
-use super::{Asked, Part};
+use super::{Part, Request};
 use crate::error::CliError;
 use crate::files::inputs;
 use crate::progress::Progress;
@@ -22,7 +22,7 @@ use crate::session::lock;
 
 /// The tasks of a run.
 ///
-/// Tasks are asked for in the same order by every part and by the merge. A task has a name that no
+/// Tasks are requested in the same order by every part and by the merge. A task has a name that no
 /// other task of the run has, unless it has the same result. Clones share everything.
 #[derive(Clone, Default)]
 pub(crate) struct Tasks(Kind);
@@ -52,7 +52,7 @@ struct PartOfRun {
 }
 
 struct State {
-    asked: Asked,
+    request: Request,
     unfinished: Option<Unfinished>,
     /// What was known at the start.
     known: ShardFile,
@@ -98,19 +98,19 @@ impl Tasks {
     /// If another process has the unfinished work open and `waits` is false, or it is of another
     /// question.
     pub(crate) fn of_part(
-        asked: Asked,
+        request: Request,
         part: Part,
         target: &Path,
         waits: bool,
     ) -> Result<Self, CliError> {
-        let (unfinished, mut known) = Unfinished::open(target, &asked, waits)?;
+        let (unfinished, mut known) = Unfinished::open(target, &request, waits)?;
         if let Ok(done) = ShardFile::read(target)
-            && done.asked == asked
+            && done.request == request
         {
             known = done;
         }
         let state = State {
-            asked,
+            request,
             unfinished: Some(unfinished),
             known,
             results: Results::new(),
@@ -282,7 +282,7 @@ impl Tasks {
         let mut state = run.state();
         run.check_inputs(&mut state)?;
         let file = ShardFile {
-            asked: state.asked.clone(),
+            request: state.request.clone(),
             inputs: std::mem::take(&mut state.inputs),
             results: std::mem::take(&mut state.results),
         };
@@ -388,7 +388,7 @@ impl PlannedRun {
 
 impl State {
     fn append(&mut self, record: &Record) -> Result<(), CliError> {
-        self.unfinished.as_mut().map_or(Ok(()), |file| file.append(&self.asked, record))
+        self.unfinished.as_mut().map_or(Ok(()), |file| file.append(&self.request, record))
     }
 }
 

@@ -4,7 +4,7 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::Asked;
+use super::Request;
 use super::file::{Record, ShardFile, write_record, write_start};
 use crate::error::CliError;
 use crate::files::{FileError, is_at};
@@ -31,11 +31,11 @@ impl Unfinished {
     /// question.
     pub(super) fn open(
         target: &Path,
-        asked: &Asked,
+        request: &Request,
         waits: bool,
     ) -> Result<(Self, ShardFile), CliError> {
         let mut unfinished = Self { path: unfinished_path(target), waits, file: None };
-        let nothing = ShardFile::new(asked.clone());
+        let nothing = ShardFile::new(request.clone());
         if !unfinished.path.exists() {
             return Ok((unfinished, nothing));
         }
@@ -43,7 +43,7 @@ impl Unfinished {
         let shown = unfinished.path.display();
         let known = ShardFile::read_unfinished(&file);
         let read = match known {
-            Some((read, valid)) if read.asked == *asked => {
+            Some((read, valid)) if read.request == *request => {
                 let cut = file.set_len(valid).and_then(|()| file.seek(SeekFrom::Start(valid)));
                 cut.map_err(|source| unfinished.error(source))?;
                 read
@@ -51,15 +51,15 @@ impl Unfinished {
             Some((read, _)) if !read.results.is_empty() => {
                 return Err(CliError::File(format!(
                     "{shown} has unfinished work of another run ({} {} on {}); remove it, or name another file",
-                    read.asked.command(),
-                    read.asked.version,
-                    read.asked.instruction_set
+                    read.request.command(),
+                    read.request.version,
+                    read.request.instruction_set
                 )));
             }
             // A process was killed while it wrote the first bytes, or the file is not ours.
             _ => {
                 let emptied = file.set_len(0).and_then(|()| file.rewind());
-                let started = emptied.and_then(|()| write_start(&mut file, asked));
+                let started = emptied.and_then(|()| write_start(&mut file, request));
                 started.map_err(|source| unfinished.error(source))?;
                 nothing
             }
@@ -95,10 +95,10 @@ impl Unfinished {
     /// # Errors
     ///
     /// If it cannot be written, or another process has the file open.
-    pub(super) fn append(&mut self, asked: &Asked, record: &Record) -> Result<(), CliError> {
+    pub(super) fn append(&mut self, request: &Request, record: &Record) -> Result<(), CliError> {
         if self.file.is_none() {
             let mut file = self.locked()?;
-            write_start(&mut file, asked).map_err(|source| self.error(source))?;
+            write_start(&mut file, request).map_err(|source| self.error(source))?;
             self.file = Some(file);
         }
         let Some(file) = &mut self.file else { return Ok(()) };

@@ -15,7 +15,7 @@ use crate::global::Global;
 use crate::progress::rough;
 use crate::report::{Document, Provenance};
 use crate::run_log::{Event, LogLine, now, read_log, this_host};
-use crate::shards::{Asked, ShardFile, UnfinishedWork};
+use crate::shards::{Request, ShardFile, UnfinishedWork};
 
 /// A run is taken for ended if its next line is later than expected by this factor and this number of
 /// seconds, for slow file systems and clocks that differ.
@@ -233,17 +233,17 @@ fn is_end(runs: &[LogLine]) -> bool {
 
 /// Returns the instruction set of the results of a part, or why they cannot be merged.
 fn check(manifest: &Manifest, path: &Path, part: u64) -> Result<String, String> {
-    let asked = ShardFile::verify(path).map_err(|error| error.to_string())?;
+    let request = ShardFile::verify(path).map_err(|error| error.to_string())?;
     let shown = path.display();
-    if asked.version != manifest.version {
+    if request.version != manifest.version {
         return Err(format!(
             "{shown} is of sphvar {}, and the plan of {}",
-            asked.version, manifest.version
+            request.version, manifest.version
         ));
     }
-    let is_it = asked.words == Asked::words_of(&manifest.words)
-        && (asked.of, &*asked.parts) == (manifest.parts, &[part]);
-    if is_it { Ok(asked.instruction_set) } else { Err(format!("{shown} is of another plan")) }
+    let is_it = request.words == Request::words_of(&manifest.words)
+        && (request.of, &*request.parts) == (manifest.parts, &[part]);
+    if is_it { Ok(request.instruction_set) } else { Err(format!("{shown} is of another plan")) }
 }
 
 /// Returns the last line of every run, in the order in which the runs started, with the seconds that

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, Verdict, run_pieces, work};
+use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, Verdict, work};
 
 use self::folder::{OutFolder, TABLES};
 use self::markdown::markdown;

@@ -9,7 +9,7 @@ use crate::message;
 
 /// The question that the results of a shard file answer, and which parts of the answer it has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Asked {
+pub(crate) struct Request {
     /// The version of this program.
     pub(crate) version: String,
     /// The instruction set of the machine, because others round differently.
@@ -22,7 +22,7 @@ pub(crate) struct Asked {
     pub(crate) of: u64,
 }
 
-impl Asked {
+impl Request {
     /// Returns what a run with these words after the name of the command computes.
     pub(crate) fn new(words: &[String], args: &ShardArgs) -> Self {
         let Part { part, parts } = args.part();
@@ -53,12 +53,12 @@ impl Asked {
     ///
     /// If it does not; `names` are those of the files.
     pub(crate) fn check_same(&self, other: &Self, names: [&str; 2]) -> Result<(), CliError> {
-        let facts = |asked: &Self| {
+        let facts = |request: &Self| {
             [
-                ("versions of sphvar", asked.version.clone()),
-                ("instruction sets", asked.instruction_set.clone()),
-                ("commands", asked.command()),
-                ("numbers of parts", asked.of.to_string()),
+                ("versions of sphvar", request.version.clone()),
+                ("instruction sets", request.instruction_set.clone()),
+                ("commands", request.command()),
+                ("numbers of parts", request.of.to_string()),
             ]
         };
         let pairs = facts(self).into_iter().zip(facts(other));
