@@ -32,7 +32,8 @@ fn parts(place: &Workplace, command: &str, parts: u64) -> String {
         let threads = 1 + part % 2;
         let shard = format!("--shard {part}/{parts} --save {part}-of-{parts} -j {threads} --quiet");
         let outcome = place.run(&format!("{command} {shard}")).ok();
-        assert_eq!(outcome.stdout, "", "{command} {shard}");
+        // A single part reports what it has computed.
+        assert_eq!(outcome.stdout.is_empty(), parts > 1, "{command} {shard}");
     }
     let names: Vec<String> = (1..=parts).rev().map(|part| format!("{part}-of-{parts}")).collect();
     names.join(" ")
@@ -58,7 +59,7 @@ fn merged_variances_are_bit_identical_to_one_run() {
 #[test]
 fn merged_files_are_bit_identical_to_those_of_one_run() {
     let place = place();
-    let run = "variance jittered,spiral -n 12,27 --integrand cap:degrees=60 -m 10";
+    let run = "variance jittered,spiral -n 12,27 --nearest --integrand cap:degrees=60 -m 10";
     for name in ["v.csv", "v.svg"] {
         let said = place.run(&format!("{run} -o {name}")).ok().stdout;
         let whole = place.bytes(name);
