@@ -63,11 +63,14 @@ fn damaged_results_of_sequences_are_errors() {
         place.run(&format!("{run} -n {n} --save {n}.shard --quiet")).ok();
     }
     let (from, to) = (place.bytes("3.shard"), place.bytes("4.shard"));
-    // The question of one run with the results of the other.
-    let length = |bytes: &[u8]| usize::from_le_bytes(bytes[16..24].try_into().unwrap());
-    let first = 16 + 12;
-    let mut mixed = to[..first + length(&to)].to_vec();
-    mixed.extend(&from[first + length(&from)..]);
+    // The question of one run with the results of the other: a line, and records of 8 bytes for
+    // the length, 4 for the checksum, and the content.
+    let end_of_first = |bytes: &[u8]| {
+        let start = 1 + bytes.iter().position(|byte| *byte == b'\n').unwrap();
+        let length = bytes[start..start + 8].try_into().unwrap();
+        start + 12 + usize::try_from(u64::from_le_bytes(length)).unwrap()
+    };
+    let mixed = [&to[..end_of_first(&to)], &from[end_of_first(&from)..]].concat();
     place.write("mixed.shard", mixed);
     place.run("merge mixed.shard").fails(1, &["the saved result of", "has another form"]);
 }
