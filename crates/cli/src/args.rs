@@ -57,7 +57,7 @@ pub(crate) enum Command {
     /// Merge spectrum shards; the result is bit-identical to a single run
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
-    /// Write the job files of a command in parts for Slurm, HyperQueue, Dask or a shell, and report what is done
+    /// Divide a command into parts: job files for Slurm, HyperQueue, Dask or a shell, and their state
     #[command(after_help = plan::EXAMPLES)]
     Plan(plan::PlanArgs),
     /// Predict and measure the variance of patterns on one integrand

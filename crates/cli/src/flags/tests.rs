@@ -67,6 +67,7 @@ fn a_flag_has_one_meaning() {
                 "Write the picture to a file",
                 "Folder for tables and plots",
                 "Folder for the results",
+                "Folder of the plan",
                 "Where the command writes its results",
             ],
             "sampler" => &["Sampler", "Sampler of the directions at each shading point"],

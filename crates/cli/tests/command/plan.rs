@@ -99,12 +99,11 @@ fn hostile_words_survive() {
     let points = "p $(touch x) '1' \"2\"\nq.csv";
     fs::write(inner.join(points), "x,y,z\n1,0,0\n0,1,0\n0,0,1\n").unwrap();
     let out = "s '$x' \n\"y\".csv";
-    let spec = format!("file:path=\"{}\"", points.replace('\\', "\\\\").replace('"', "\\\""));
     let sphvar = |words: &[&str]| {
         let output = place.command("").args(words).current_dir(&inner).output().unwrap();
         Outcome::new("", output)
     };
-    let words = ["spectrum", &spec, "-m", "9", "--lmax", "3", "-o", out];
+    let words = ["spectrum", "--points", points, "--lmax", "3", "-o", out];
     for engine in ["shell", "slurm", "hyperqueue", "dask"] {
         let job = format!("job {engine} $x 'y' %s");
         let plan = ["plan", "--shards", "2", "--for", engine, "-o", &job, "--"];

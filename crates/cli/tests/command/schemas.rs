@@ -173,7 +173,7 @@ fn documents_fit_their_schema() {
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("list", "list --square"),
-        ("plan", "plan --shards 2 --for shell -o job spectrum jittered -n 12 -m 4"),
+        ("plan", "plan spectrum jittered -n 12 -m 4 --shards 2 --for shell -o job"),
         ("plan status", "plan status done"),
         ("progressive", "progressive sobol,white-noise -n 20 --integrand cap:degrees=60 -m 20"),
         ("progressive", "progressive halton -n 4,8 --integrand ylm:l=1 -m 20 --no-rotate"),

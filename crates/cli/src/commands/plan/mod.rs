@@ -12,7 +12,7 @@ mod scripts;
 pub(crate) mod status;
 mod words;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -35,14 +35,13 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar plan spectrum poisson-disk -n 1024 -m 200 -o spectrum.csv --shards 16 --for shell -o parts
   sphvar plan status job
   sphvar plan status job --resubmit
-  sphvar merge job
 
 Options of plan stand before the command or after it: everything from the name of the command on belongs to the \
 command, up to the first of --shards and --for. A -- before the command is optional.
 
 The folder gets manifest.json, the script `part` that computes one part, the script `merge`, and what the engine \
 requires: `submit` starts the parts and then the merge (slurm, hyperqueue, shell), `run.py` does for Dask distributed \
-and for the Python package of HyperQueue. Results of parts are kept in parts/, logs in logs/. The command runs in the \
+and for the Python package of HyperQueue. `sphvar merge job` merges the parts of the plan in the folder job. Results of parts are kept in parts/, logs in logs/. The command runs in the \
 folder in which plan was called, so relative paths are those of that folder, which all machines must see under the \
 same path. A part that is done is not computed again, and a killed one continues.
 
@@ -221,10 +220,10 @@ fn check(
     crate::execute(command, &planned)?;
     let units = tasks.planned_units();
     if units < parts {
+        let some = if units == 0 { "none" } else { "only some" };
         global.session.say(&format!(
-            "warning: the work has {units} indivisible {}, so {} of {parts} parts have nothing to compute",
-            if units == 1 { "piece" } else { "pieces" },
-            parts - units
+            "warning: the work consists of {units} indivisible pieces, so {some} of the {parts} parts have \
+             anything to compute"
         ));
     }
     Ok(())
@@ -259,14 +258,14 @@ fn program() -> PathBuf {
     }
 }
 
-fn utf8(word: &OsString) -> Result<String, CliError> {
+fn utf8(word: &OsStr) -> Result<String, CliError> {
     let invalid = || CliError::Usage(format!("{} is not valid UTF-8", word.display()));
     word.to_str().map(str::to_owned).ok_or_else(invalid)
 }
 
 /// Returns a path as text, which manifests and scripts consist of.
 fn path_text(path: &Path) -> Result<String, CliError> {
-    utf8(&path.as_os_str().to_owned())
+    utf8(path.as_os_str())
 }
 
 /// Parses a time limit of Slurm.
