@@ -52,6 +52,22 @@ fuzz *ARGS:
 interrupts COUNT="100":
     SPHVAR_INTERRUPTS={{COUNT}} cargo test -p sphvar-cli --test command -- interrupts
 
+# A hundred `kill -9` at random times over all commands with parts, and over their merges.
+kills COUNT="100":
+    SPHVAR_KILLS={{COUNT}} cargo test -p sphvar-cli --test command -- kills
+
+# Parts of a comparison and of a catalogue on HyperQueue, which is installed in a folder of its own; some are killed.
+cluster-hyperqueue:
+    bash cluster/hyperqueue
+
+# The same on Slurm; as root, its packages are installed with apt-get where they are missing.
+cluster-slurm:
+    bash cluster/slurm
+
+# The same on Dask distributed, which is installed in a folder of its own.
+cluster-dask:
+    bash cluster/dask
+
 # Benchmarks of every crate that has them.
 bench *ARGS:
     cargo bench --workspace {{ARGS}}
