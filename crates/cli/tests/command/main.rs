@@ -25,6 +25,7 @@ mod help;
 mod inputs_and_outputs;
 mod integrals;
 mod interrupts;
+mod kills;
 mod lights;
 mod lists;
 mod messages;
