@@ -21,6 +21,9 @@ impl<N> KeptSet<N> {
     }
 }
 
+/// Sets with their numbers, one for each set.
+pub(super) type RestoredSets<P> = (Vec<usize>, Vec<PointSet<P>>);
+
 /// Returns kept sets with their numbers, which increase and are below `count`.
 ///
 /// # Errors
@@ -29,7 +32,7 @@ impl<N> KeptSet<N> {
 pub(super) fn restored<P: FilePoint<Numbers: Into<P>>>(
     kept: Vec<KeptSet<P::Numbers>>,
     count: u64,
-) -> Result<(Vec<usize>, Vec<PointSet<P>>), CliError> {
+) -> Result<RestoredSets<P>, CliError> {
     let wrong = || CliError::File("the saved sets of points have another form".to_owned());
     let is_set =
         |set: &KeptSet<P::Numbers>| set.weights.is_empty() || set.weights.len() == set.points.len();

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use sphvar_samplers::PointSet;
 
 use super::SampleArgs;
-use super::kept_set::{KeptSet, restored};
+use super::kept_set::{KeptSet, RestoredSets, restored};
 use crate::draws::{Draws, GivenSets};
 use crate::error::CliError;
 use crate::files::{AtomicFile, FilePoint, NumberedPath, write_points};
@@ -129,7 +129,7 @@ where
         count: u64,
         given: GivenSets,
         global: &Global,
-    ) -> Result<Option<(Vec<usize>, Vec<PointSet<P>>)>, CliError> {
+    ) -> Result<Option<RestoredSets<P>>, CliError> {
         let draws = self.draws;
         let work = if given == GivenSets::InOrder { 0.0 } else { draws.nominal_work() };
         let progress = Progress::with_expected_time(count as f64 * work, &global.session);
