@@ -1,5 +1,6 @@
 //! Angular power spectra: of sets, and in closed form.
 
+mod blocks;
 mod hard;
 mod merging;
 mod pair_sums;

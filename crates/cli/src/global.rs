@@ -37,6 +37,15 @@ pub(crate) struct Global {
     /// Append what the run does to a file, one line of JSON each: start, progress, end or error
     #[arg(long, global = true, value_name = "FILE", help_heading = HEADING)]
     pub(crate) log: Option<PathBuf>,
+    /// Memory that point readers and transforms may hold, such as 500M or 8G; results do not depend on it [default: all that is free, and half of it for point files that are read in blocks]
+    #[arg(
+        long,
+        global = true,
+        value_name = "SIZE",
+        help_heading = HEADING,
+        value_parser = crate::memory::parse_size
+    )]
+    pub(crate) memory: Option<u64>,
     /// Where the run reports, and the arrays that it reads besides files.
     #[arg(skip)]
     pub(crate) session: Session,

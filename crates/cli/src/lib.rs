@@ -144,6 +144,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.global.threads).build_global().map_err(
         |e| CliError::Failed(format!("cannot start {} threads: {e}", cli.global.threads)),
     )?;
+    memory::set_memory_limit(cli.global.memory);
     let Cli { command, mut global } = cli;
     let Some(sharding) = command.sharding().filter(|args| args.save.is_some()).cloned() else {
         return execute(command, &global);

@@ -1,13 +1,64 @@
 //! Rejects work that exceeds the machine or the transforms before it starts.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use sphvar_sh::MAX_DEGREE;
 use sphvar_spectrum::Resolution;
 
 use crate::error::CliError;
 
-/// Returns the available memory in bytes, within the limits of the control group and of the process
-/// (`ulimit -v`), or `None` if the machine does not report it.
+/// The limit of `--memory` in bytes, 0 without one.
+static LIMIT: AtomicU64 = AtomicU64::new(0);
+
+/// Sets the limit of `--memory` of this process.
+pub(crate) fn set_memory_limit(bytes: Option<u64>) {
+    LIMIT.store(bytes.unwrap_or(0), Ordering::Relaxed);
+}
+
+/// Returns the limit of `--memory` in bytes, if there is one.
+pub(crate) fn memory_limit() -> Option<f64> {
+    let bytes = LIMIT.load(Ordering::Relaxed);
+    (bytes > 0).then_some(bytes as f64)
+}
+
+/// Returns the available memory in bytes, within the limit of `--memory`, or `None` without a limit
+/// if the machine does not report it.
 pub(crate) fn available_memory() -> Option<f64> {
+    memory_beyond(0)
+}
+
+/// Returns the memory that is available to work that holds this number of bytes already, in bytes.
+pub(crate) fn memory_beyond(held: u64) -> Option<f64> {
+    let allowed = memory_limit().map(|limit| (limit - held as f64).max(0.0));
+    match (free_memory(), allowed) {
+        (Some(free), Some(allowed)) => Some(free.min(allowed)),
+        (free, allowed) => free.or(allowed),
+    }
+}
+
+/// Parses a size in bytes such as 500M, 8G or 1.5 GiB; K, M, G and T are powers of 1024.
+pub(crate) fn parse_size(text: &str) -> Result<u64, String> {
+    let lower = text.trim().to_ascii_lowercase();
+    let digits = lower.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(lower.len());
+    let (number, unit) = lower.split_at(digits);
+    let power = match unit.trim() {
+        "" | "b" => Some(0),
+        "k" | "kb" | "kib" => Some(10),
+        "m" | "mb" | "mib" => Some(20),
+        "g" | "gb" | "gib" => Some(30),
+        "t" | "tb" | "tib" => Some(40),
+        _ => None,
+    };
+    let bytes = number.parse::<f64>().ok().zip(power).map(|(n, power)| n * 2_f64.powi(power));
+    let valid = bytes.filter(|bytes| (1.0..1e18).contains(bytes));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 1e18")]
+    let whole = valid.map(|bytes| bytes as u64);
+    whole.ok_or_else(|| format!("expected a size such as 500M or 8G, got {text:?}"))
+}
+
+/// Returns the free memory in bytes, within the limits of the control group and of the process
+/// (`ulimit -v`), or `None` if the machine does not report it.
+fn free_memory() -> Option<f64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
     let machine = system.available_memory();
@@ -23,6 +74,16 @@ pub(crate) fn available_memory() -> Option<f64> {
 /// Returns a number of bytes for a message.
 pub(crate) fn gibibytes(bytes: f64) -> String {
     format!("{:.1} GiB", bytes / f64::from(1 << 30))
+}
+
+/// Returns a number of bytes for a message, in a unit that a size on the command line has.
+pub(crate) fn size_in_words(bytes: f64) -> String {
+    let mebibytes = bytes / f64::from(1 << 20);
+    if mebibytes < 1024.0 {
+        format!("{:.0}M", mebibytes.ceil())
+    } else {
+        format!("{:.1}G", (mebibytes / 102.4).ceil() / 10.0)
+    }
 }
 
 /// Returns an error if `bytes`, a lower bound of the memory of `what`, exceed the available memory.
@@ -70,4 +131,27 @@ pub(crate) fn check_transform(resolution: Resolution, sets: u64) -> Result<(), C
     let Resolution { lmax, n_points, .. } = resolution;
     let bytes = resolution.bytes(sets, rayon::current_num_threads());
     check_memory(&format!("a spectrum of {n_points} points to degree {lmax} (--lmax)"), bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes_have_units() {
+        let gib = 1_u64 << 30;
+        for (text, bytes) in [
+            ("8G", 8 * gib),
+            ("1.5gib", 3 * gib / 2),
+            (" 500 M ", 500 << 20),
+            ("4096", 4096),
+            ("2kB", 2048),
+            ("1T", gib << 10),
+        ] {
+            assert_eq!(parse_size(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "G", "0", "-1G", "1e9", "8X", "1..5G", "nan", "99999999999T", "0.1"] {
+            assert!(parse_size(text).is_err(), "{text}");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use sphvar_samplers::{
     Domain, Ensemble, Error, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
     SetDistribution, Space, Square, SquareDistribution, SquareSampler, Streams, rotate,
 };
-use sphvar_spectrum::ExactSum;
+use sphvar_spectrum::{BlockTotal, ExactSum};
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
@@ -17,6 +17,22 @@ use crate::session::Session;
 pub(crate) struct FileSets<S: Space = Domain> {
     name: String,
     sets: PointSets<S>,
+    /// What was reported on the files.
+    remarks: Vec<String>,
+}
+
+/// What is reported on the point sets of files beside results for their points.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct SetFacts {
+    /// The names of the files.
+    pub(crate) name: String,
+    /// The mean number of points of a set, rounded.
+    pub(crate) mean_size: usize,
+    /// The number of sets.
+    pub(crate) count: u64,
+    pub(crate) weights: WeightTotals,
+    /// What was reported when they were read.
+    pub(crate) remarks: Vec<String>,
 }
 
 /// Given sets in their order, each with the rotation of a realization.
@@ -75,6 +91,15 @@ impl WeightTotals {
             totals.sets += 1;
             totals.has_weights |= !set.weights.is_empty();
         }
+        totals
+    }
+
+    /// Returns the totals over one set that was read in blocks.
+    pub(crate) fn of_blocks(total: &BlockTotal) -> Self {
+        let mut totals = Self { sets: 1, has_weights: total.has_weights, ..Self::default() };
+        totals.n_effective.add(total.n_effective);
+        totals.sum_w.add(total.sum_w);
+        totals.sum_w2.add(if total.sum_w2.is_normal() { total.sum_w2 } else { f64::NAN });
         totals
     }
 
@@ -143,8 +168,7 @@ impl FileSets {
                     sets.iter().flat_map(|s| &s.points).filter(|p| p.z < 0.0).count()
                 }
             };
-            let remark = || format!("{below} points with z < 0 are replaced by their antipodes");
-            (below > 0).then(remark)
+            below_remark(below)
         })
     }
 }
@@ -166,14 +190,17 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
     ) -> Result<Self, CliError> {
         let options = args.options();
         let mut sets = Vec::new();
+        let mut remarks = Vec::new();
+        let mut say = |text: String| {
+            session.say(&text);
+            remarks.push(text);
+        };
         for path in &args.files {
             let file = session.read_points(path, &options)?;
             for warning in &file.warnings {
-                session.say(&format!("warning: {warning}"));
+                say(format!("warning: {warning}"));
             }
-            for remark in &file.remarks {
-                session.say(remark);
-            }
+            file.remarks.into_iter().for_each(&mut say);
             if !args.join
                 && let Some(i) = file.sets.iter().position(has_zero_weights)
             {
@@ -189,16 +216,16 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
             }
         }
         if let Some(remark) = remark(&sets) {
-            session.say(&remark);
+            say(remark);
         }
-        let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
-        let name = names.join(" ");
+        let name = args.name();
         let sets =
             PointSets::new(sets, space).map_err(|e| CliError::File(format!("{name}: {e}")))?;
-        let read = Self { name, sets };
+        let mut read = Self { name, sets, remarks: Vec::new() };
         if read.count() > 1 {
-            session.say(&read.summary(args.files.len() > 1));
+            say(read.summary(args.files.len() > 1));
         }
+        read.remarks = remarks;
         Ok(read)
     }
 
@@ -213,6 +240,17 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         };
         let join = if several_files { "; --join makes the files one set" } else { "" };
         format!("{} realizations read, {points}{join}", self.count())
+    }
+
+    /// Returns what is reported on the sets beside results for their points.
+    pub(crate) fn facts(&self) -> SetFacts {
+        SetFacts {
+            name: self.name.clone(),
+            mean_size: self.mean_size(),
+            count: self.count(),
+            weights: WeightTotals::of_sets(self.sets.sets()),
+            remarks: self.remarks.clone(),
+        }
     }
 
     /// Returns the names of the files.
@@ -254,21 +292,32 @@ fn join<P>(
             joined.push(set);
             continue;
         };
-        match (one.weights.is_empty(), set.weights.is_empty()) {
-            (false, true) => {
-                return Err(CliError::File(format!(
-                    "--join: {path} has no weights, but the files before it have"
-                )));
-            }
-            (true, false) => {
-                return Err(CliError::File(format!(
-                    "--join: {path} has weights, but the files before it have none"
-                )));
-            }
-            _ => {}
-        }
+        check_joined_weights(!one.weights.is_empty(), !set.weights.is_empty(), path)?;
         one.weights.extend(set.weights);
         one.points.extend(set.points);
     }
     Ok(())
+}
+
+/// Rejects a file with weights after others without them, and the reverse.
+pub(crate) fn check_joined_weights(
+    have_others: bool,
+    has_this: bool,
+    path: &str,
+) -> Result<(), CliError> {
+    match (have_others, has_this) {
+        (true, false) => Err(CliError::File(format!(
+            "--join: {path} has no weights, but the files before it have"
+        ))),
+        (false, true) => Err(CliError::File(format!(
+            "--join: {path} has weights, but the files before it have none"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Returns the remark on points below the equator of the hemisphere, if there are any.
+pub(crate) fn below_remark(below: usize) -> Option<String> {
+    let remark = || format!("{below} points with z < 0 are replaced by their antipodes");
+    (below > 0).then(remark)
 }

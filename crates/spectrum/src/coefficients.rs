@@ -1,4 +1,5 @@
 use num_complex::Complex;
+use sphvar_sh::Alm;
 
 use crate::{Accumulator, Realization};
 
@@ -18,6 +19,16 @@ impl CoefficientSamples {
         Self { l, m, samples: Vec::new() }
     }
 
+    /// Adds the coefficient of the realization of this index.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the coefficients do not reach degree l.
+    pub fn push_alm(&mut self, index: u64, alm: &Alm) {
+        let value = alm.values()[alm.index().at(self.l, self.m)];
+        self.samples.push((index, value));
+    }
+
     /// Returns the coefficients in the order of the realizations.
     #[must_use]
     pub fn finish(mut self) -> Vec<Complex<f64>> {
@@ -28,9 +39,7 @@ impl CoefficientSamples {
 
 impl Accumulator for CoefficientSamples {
     fn push(&mut self, realization: &Realization<'_>) {
-        let alm = realization.alm();
-        let value = alm.values()[alm.index().at(self.l, self.m)];
-        self.samples.push((realization.index(), value));
+        self.push_alm(realization.index(), realization.alm());
     }
 
     fn merge(&mut self, other: &Self) {

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use sphvar_sh::ByParity;
 
@@ -76,6 +78,167 @@ pub fn tail_power(points: &[DVec3], weights: &[f64]) -> ByParity {
     });
     let squares = squares.value();
     if squares > 0.0 { sums.map(|sum| sum.value() / squares) } else { ByParity::default() }
+}
+
+/// The tail power of a sample of the directions of a set, which the sets of disjoint points add to.
+///
+/// The sphere is divided into cells with a random number each, and the sample has the points in and
+/// near the cells with the smallest numbers, as few as needed. It depends on the points only, and
+/// points that coincide or are antipodal are in it together.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct TailSample {
+    /// The cells are a share `2^-level` of all.
+    level: u32,
+    /// By the bits of the direction, one of each antipodal pair.
+    lines: BTreeMap<[u64; 3], Ends>,
+}
+
+/// The sums of weights at a direction and at its antipode, and the sum of their squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Ends {
+    sums: [f64; 2],
+    squares: f64,
+}
+
+/// The maximum number of lines of a sample.
+const MAX_LINES: usize = 1 << 13;
+/// The number of cells along a unit of length.
+const CELLS: f64 = (1 << 15) as f64;
+
+impl TailSample {
+    /// The memory of a sample, with that of the nodes of its map.
+    pub(crate) const MAX_BYTES: usize = 2 * MAX_LINES * (size_of::<([u64; 3], Ends)>() + 16);
+
+    /// Returns the sample of points; empty `weights` mean unit weights.
+    pub(crate) fn of(points: &[DVec3], weights: &[f64]) -> Self {
+        let mut sample = Self::default();
+        for (k, &point) in points.iter().enumerate() {
+            if is_near(point, sample.level) {
+                let weight = weights.get(k).copied().unwrap_or(1.0);
+                let (line, is_opposite) = line_of(point);
+                let ends = sample.lines.entry(line).or_default();
+                ends.sums[usize::from(is_opposite)] += weight;
+                ends.squares += weight * weight;
+                sample.limit();
+            }
+        }
+        sample
+    }
+
+    /// Adds the sample of other points.
+    pub(crate) fn merge(&mut self, other: Self) {
+        self.raise(other.level);
+        for (line, theirs) in other.lines {
+            if is_near(direction(line), self.level) {
+                let ends = self.lines.entry(line).or_default();
+                ends.sums[0] += theirs.sums[0];
+                ends.sums[1] += theirs.sums[1];
+                ends.squares += theirs.squares;
+            }
+        }
+        self.limit();
+    }
+
+    /// Multiplies all weights.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        for ends in self.lines.values_mut() {
+            ends.sums.iter_mut().for_each(|sum| *sum *= factor);
+            ends.squares *= factor * factor;
+        }
+    }
+
+    /// Returns [`tail_power`] of the sample; NaN if it is empty and the set is not.
+    pub(crate) fn power(&self) -> ByParity {
+        let points: Vec<DVec3> = self.lines.keys().map(|line| direction(*line)).collect();
+        let ends: Vec<&Ends> = self.lines.values().collect();
+        let mut squares = ExactSum::default();
+        let mut sums = ByParity::<ExactSum>::default();
+        let mut has_lines = false;
+        for_each_line(&points, (0..points.len()).collect(), &AXES, &mut |line| {
+            // Points near a cell belong to the line of a point in it.
+            let first = line.iter().map(|(k, _)| *k).min();
+            if !first.is_some_and(|k| is_in(cell(points[k].abs()), self.level)) {
+                return;
+            }
+            has_lines = true;
+            let mut totals = [0.0; 2];
+            for &(k, is_opposite) in line {
+                totals[usize::from(is_opposite)] += ends[k].sums[0];
+                totals[usize::from(!is_opposite)] += ends[k].sums[1];
+                squares.add(ends[k].squares);
+            }
+            sums.even.add((totals[0] + totals[1]).powi(2));
+            sums.odd.add((totals[0] - totals[1]).powi(2));
+        });
+        let squares = squares.value();
+        match has_lines {
+            false if self.level > 0 => ByParity::both(f64::NAN),
+            _ if squares > 0.0 => sums.map(|sum| sum.value() / squares),
+            _ => ByParity::default(),
+        }
+    }
+
+    /// Reduces the sample to its maximum size.
+    fn limit(&mut self) {
+        while self.lines.len() > MAX_LINES && self.level < u64::BITS - 1 {
+            self.raise(self.level + 1);
+        }
+    }
+
+    fn raise(&mut self, level: u32) {
+        if level > self.level {
+            self.level = level;
+            self.lines.retain(|line, _| is_near(direction(*line), level));
+        }
+    }
+}
+
+/// Returns the line of a direction, and whether the direction is its second end.
+fn line_of(point: DVec3) -> ([u64; 3], bool) {
+    let is_opposite = [point.z, point.y, point.x].into_iter().find(|x| *x != 0.0) < Some(0.0);
+    let end = if is_opposite { -point } else { point };
+    // Adding 0 turns -0 to 0.
+    (end.to_array().map(|x| (x + 0.0).to_bits()), is_opposite)
+}
+
+fn direction(line: [u64; 3]) -> DVec3 {
+    DVec3::from_array(line.map(f64::from_bits))
+}
+
+/// Returns the cell of the absolute coordinates of a direction, which antipodes share.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the cast saturates, and coordinates are below 2"
+)]
+fn cell(size: DVec3) -> [i32; 3] {
+    size.to_array().map(|x| (x * CELLS).floor() as i32)
+}
+
+/// Returns whether a cell is in samples of this level.
+fn is_in(cell: [i32; 3], level: u32) -> bool {
+    // The finalizer of SplitMix64; coordinates of cells are from -1 to 2^15.
+    let packed =
+        cell.into_iter().fold(0, |key: u64, x| (key << 20) | u64::from((x + 1).unsigned_abs()));
+    let mut hash = packed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    hash = (hash ^ (hash >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    level == 0 || (hash ^ (hash >> 31)) >> (u64::BITS - level) == 0
+}
+
+/// Returns whether the cell of a direction, or one that a coincident direction may be in, is in
+/// samples of this level.
+fn is_near(point: DVec3, level: u32) -> bool {
+    if level == 0 {
+        return true;
+    }
+    // Points of a line are this close to its first one, and to each other up to twice that.
+    const NEAR: DVec3 = DVec3::splat(2.0 * SAME_DIRECTION);
+    let size = point.abs();
+    let (low, high) = (cell(size - NEAR), cell(size + NEAR));
+    let ends = |i: usize| low[i]..=high[i];
+    ends(0).any(|x| ends(1).any(|y| ends(2).any(|z| is_in([x, y, z], level))))
 }
 
 /// Calls `f` with the points of each line through the origin.

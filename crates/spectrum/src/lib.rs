@@ -40,6 +40,7 @@
 mod accumulate;
 mod accumulator;
 mod anisotropy;
+mod blocks;
 mod class_moments;
 #[cfg(feature = "serde")]
 mod class_values;
@@ -63,6 +64,7 @@ mod square;
 pub use accumulate::{Resolution, accumulate};
 pub use accumulator::Accumulator;
 pub use anisotropy::Anisotropy;
+pub use blocks::{BlockSums, BlockTotal, BlockTransform};
 pub use class_moments::ClassMoments;
 pub use coefficients::CoefficientSamples;
 pub use coincidence::tail_power;
@@ -89,7 +91,7 @@ pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::{
     Fit, FitError, FittedEnergy, LeastSquares, Method, QuadratureError, QuadratureProblem,
-    QuadratureWeights, WeightSigns, exact_degree,
+    QuadratureWeights, TransformWorkspace, WeightSigns, exact_degree,
 };
 pub use square::{
     AxisRatio, AxisRatioAccumulator, ExactSquareSpectrum, RadialAccumulator, RadialSpectrum,

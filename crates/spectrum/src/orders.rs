@@ -1,4 +1,4 @@
-use sphvar_sh::LmIndex;
+use sphvar_sh::{Alm, LmIndex};
 
 use crate::{Accumulator, Error, Moments, Realization};
 
@@ -52,6 +52,13 @@ impl OrderAccumulator {
         if self.orders.len() == self.index.len() { counts.min().unwrap_or(0) } else { 0 }
     }
 
+    /// Adds the coefficients of one realization, whose squares are multiplied by `normalization`.
+    pub fn push_alm(&mut self, alm: &Alm, normalization: f64) {
+        for (moments, a) in self.orders.iter_mut().zip(alm.values()) {
+            moments.push(normalization * a.norm_sqr());
+        }
+    }
+
     /// Returns the mean power of every (l, m), sorted by degree and then by order.
     #[must_use]
     pub fn finish(&self) -> Vec<OrderPower> {
@@ -66,10 +73,7 @@ impl OrderAccumulator {
 
 impl Accumulator for OrderAccumulator {
     fn push(&mut self, realization: &Realization<'_>) {
-        let normalization = realization.normalization();
-        for (moments, a) in self.orders.iter_mut().zip(realization.alm().values()) {
-            moments.push(normalization * a.norm_sqr());
-        }
+        self.push_alm(realization.alm(), realization.normalization());
     }
 
     fn merge(&mut self, other: &Self) {

@@ -7,7 +7,7 @@ use sphvar_sh::Alm;
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 use sphvar_spectrum::Resolution;
 
-use super::{legendre_sums, merging};
+use super::{blocks, legendre_sums, merging};
 use crate::{Errors, HardCase};
 
 /// Returns the hard cases of this area.
@@ -55,6 +55,16 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
             bound: 1.5 * f64::EPSILON,
             reason: "the sums are exact: they are returned to one unit in the last place, and a quotient is rounded",
             measure: merging::errors,
+        },
+        HardCase {
+            name: "catalogues_in_blocks",
+            what: "coefficients to degree 24 of sets that are divided into blocks of 64 points: coincident points, one block \
+                   and one point, weights of 1e-30 to 1e30; relative to the norm, and infinite if a bit depends on the \
+                   order of the blocks",
+            bound: Resolution::EPSILON,
+            reason: "epsilon times the norm: blocks are transformed to this accuracy, and their sum has a rounding at each \
+                     level of a binary tree",
+            measure: blocks::errors,
         },
     ]
 }

@@ -65,6 +65,12 @@ fn point_file() -> impl TypedValueParser<Value = PathBuf> {
 }
 
 impl PointFileArgs {
+    /// Returns the names of the files in one text.
+    pub(crate) fn name(&self) -> String {
+        let names: Vec<String> = self.files.iter().map(|p| p.display().to_string()).collect();
+        names.join(" ")
+    }
+
     /// Returns the options for reading the files.
     pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {

@@ -1,5 +1,6 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
+mod catalogue;
 mod chart;
 mod coefficient;
 mod merging;
@@ -27,6 +28,7 @@ use sphvar_spectrum::{
     Resolution, Spectrum, SpectrumAccumulator, accumulate,
 };
 
+use self::catalogue::Opened;
 use self::coefficient::{Coefficient, parse_coefficient};
 use self::pairs::{PairArgs, PairBody};
 use self::report::emit;
@@ -47,7 +49,7 @@ use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::point_sets::{FileSets, WeightSums, WeightTotals};
+use crate::point_sets::{FileSets, SetFacts, WeightSums};
 use crate::progress::Progress;
 use crate::report::{Provenance, check_result, csv_of, is_stdout, write_text};
 use crate::shards::{Divided, Part, ShardArgs};
@@ -151,8 +153,15 @@ struct CoefficientRecord {
 
 /// The source of the point sets.
 enum Source {
-    Sampler { pattern: Pattern, sampler: Box<dyn Sampler> },
-    Files { sets: FileSets },
+    Sampler {
+        pattern: Pattern,
+        sampler: Box<dyn Sampler>,
+    },
+    /// The sets of files, `None` if their results are known.
+    Files {
+        facts: SetFacts,
+        sets: Option<FileSets>,
+    },
 }
 
 impl Source {
@@ -214,7 +223,14 @@ pub(crate) fn compute(
     only: Option<Part>,
 ) -> Result<Option<Computed>, CliError> {
     let domain = args.sets.domain.domain();
-    let source = source(args, domain, global)?;
+    let source = if args.sets.sampler.sampler.is_some() {
+        source(args, domain, global)?
+    } else {
+        match catalogue::open(args, domain, global)? {
+            Opened::Catalogue(catalogue) => return catalogue.compute(args, domain, global, only),
+            Opened::Sets(facts, sets) => Source::Files { facts, sets },
+        }
+    };
     if let Source::Sampler { pattern, sampler } = &source
         && args.exact
     {
@@ -226,7 +242,7 @@ pub(crate) fn compute(
             let default = given.map_or(REALIZATIONS, |sets| sets.len() as u64);
             (pattern.to_string(), sampler.n_points(), args.realizations.unwrap_or(default))
         }
-        Source::Files { sets } => (sets.name().to_owned(), sets.mean_size(), sets.count()),
+        Source::Files { facts, .. } => (facts.name.clone(), facts.mean_size, facts.count),
     };
     if count == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
@@ -248,7 +264,8 @@ pub(crate) fn compute(
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
     let pairs = args.pairs.settings(domain, n_points, lmax, &global.session)?;
     let (sets, count): (&dyn Ensemble, u64) = match (&source, &given) {
-        (Source::Files { sets }, _) => (sets.sets(), count),
+        (Source::Files { sets: Some(sets), .. }, _) => (sets.sets(), count),
+        (Source::Files { sets: None, .. }, _) => (&NO_SETS, count),
         (_, Some(sets)) => (sets, count),
         (Source::Sampler { sampler, .. }, _) => {
             let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
@@ -292,9 +309,7 @@ pub(crate) fn compute(
             let is_file = matches!(pattern, Pattern::PointFile(_));
             (!sampler.is_random(), Origin::of_sampler(is_file, weights))
         }
-        Source::Files { sets } => {
-            (count == 1, Origin::Given(WeightTotals::of_sets(sets.sets().sets())))
-        }
+        Source::Files { facts, .. } => (count == 1, Origin::Given(facts.weights.clone())),
     };
     let spectrum = sums.finish()?;
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };
@@ -382,25 +397,29 @@ fn of_realizations<T: Serialize + DeserializeOwned>(
         };
         return global.session.tasks().divided(task, progress, append, compute);
     };
-    let range = part.range(task.count);
-    if range.is_empty() {
-        let why = match task.count {
+    check_part(part, task.count)?;
+    compute(part.range(task.count)).map(Some)
+}
+
+/// Rejects a part without realizations.
+fn check_part(part: Part, count: u64) -> Result<(), CliError> {
+    if part.range(count).is_empty() {
+        let why = match count {
             1 => "a deterministic pattern has one set, which is in part 1",
             _ => "use at most as many parts as realizations",
         };
         return Err(CliError::Usage(format!(
-            "part {part} contains none of the {} realizations; {why}",
-            task.count
+            "part {part} contains none of the {count} realizations; {why}"
         )));
     }
-    compute(range).map(Some)
+    Ok(())
 }
 
+/// The sets of files whose results are known.
+const NO_SETS: &[PointSet] = &[];
+
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let Some(name) = &args.sets.sampler.sampler else {
-        let sets = FileSets::read(&args.sets.files, domain, &global.session)?;
-        return Ok(Source::Files { sets });
-    };
+    let name = args.sets.sampler.sampler.as_deref().unwrap_or_default();
     let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
     let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, &global.session)?;
     if args.exact && ExactSpectrum::of(&*sampler).is_none() {

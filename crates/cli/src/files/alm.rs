@@ -1,13 +1,13 @@
 //! Reads harmonic coefficients: NPY arrays in the order of healpy, and FITS tables of healpy.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::Path;
 
 use sphvar_sh::{Alm, LmIndex};
 
 use super::file_error::{FileError, Place, input_name};
 use super::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
-use super::input::open_input;
+use super::input::{SkipBytes, open_input};
 use super::memory_guard::check_announced;
 use super::npy::{MAGIC, NpyReader, layout_error};
 
@@ -48,7 +48,7 @@ pub(crate) fn read_alm(
     }
 }
 
-fn read_npy(input: impl Read, path: &str) -> Result<Alm, FileError> {
+fn read_npy(input: impl SkipBytes, path: &str) -> Result<Alm, FileError> {
     let layout = |expected: &str, got: &str| layout_error(path, expected, got);
     let array = NpyReader::new(input, path)?;
     let &[count] = array.shape() else {

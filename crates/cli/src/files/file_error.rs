@@ -4,8 +4,10 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 /// The place of an error in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Place {
     /// The file as a whole.
     Whole,
@@ -169,6 +171,12 @@ pub(crate) enum FileError {
         channel: String,
         /// The channels of the image.
         known: String,
+    },
+    /// Nothing more of a file is to be read.
+    #[error("reading {path} was stopped")]
+    Stopped {
+        /// The path as the user wrote it.
+        path: String,
     },
     /// A file contains no points.
     #[error("{path}: no points: expected at least one")]

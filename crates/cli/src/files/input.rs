@@ -1,7 +1,7 @@
 //! Opens files for reading, with or without gzip compression.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use flate2::bufread::GzDecoder;
@@ -17,6 +17,89 @@ const HEAD: usize = 64;
 /// The first bytes of a gzip file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
+/// The content of a file, decompressed.
+pub(super) struct Input(Kind);
+
+enum Kind {
+    /// A regular file that is not compressed.
+    Regular(BufReader<File>),
+    Stream(Box<dyn BufRead>),
+}
+
+impl Input {
+    /// Returns whether this is a regular file that is not compressed.
+    pub(super) fn is_regular(&self) -> bool {
+        matches!(self.0, Kind::Regular(_))
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Kind::Regular(file) => file.read(buffer),
+            Kind::Stream(stream) => stream.read(buffer),
+        }
+    }
+}
+
+impl BufRead for Input {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        match &mut self.0 {
+            Kind::Regular(file) => file.fill_buf(),
+            Kind::Stream(stream) => stream.fill_buf(),
+        }
+    }
+
+    fn consume(&mut self, amount: usize) {
+        match &mut self.0 {
+            Kind::Regular(file) => file.consume(amount),
+            Kind::Stream(stream) => stream.consume(amount),
+        }
+    }
+}
+
+/// An input of which parts can be skipped.
+pub(super) trait SkipBytes: Read {
+    /// Skips this number of bytes, possibly beyond the end.
+    ///
+    /// # Errors
+    ///
+    /// If reading fails.
+    fn skip_bytes(&mut self, bytes: u64) -> io::Result<()> {
+        io::copy(&mut self.by_ref().take(bytes), &mut io::sink()).map(drop)
+    }
+
+    /// Moves to this position and returns true, if the input has positions.
+    ///
+    /// # Errors
+    ///
+    /// If the position is invalid.
+    fn jump_to(&mut self, _position: u64) -> io::Result<bool> {
+        Ok(false)
+    }
+}
+
+impl SkipBytes for Input {
+    fn skip_bytes(&mut self, bytes: u64) -> io::Result<()> {
+        match &mut self.0 {
+            Kind::Regular(file) => {
+                let bytes = i64::try_from(bytes).map_err(io::Error::other)?;
+                file.seek_relative(bytes)
+            }
+            Kind::Stream(stream) => {
+                io::copy(&mut stream.by_ref().take(bytes), &mut io::sink()).map(drop)
+            }
+        }
+    }
+
+    fn jump_to(&mut self, position: u64) -> io::Result<bool> {
+        match &mut self.0 {
+            Kind::Regular(file) => file.seek(SeekFrom::Start(position)).map(|_| true),
+            Kind::Stream(_) => Ok(false),
+        }
+    }
+}
+
 /// Returns the content of a file; the path `-` is standard input.
 ///
 /// A file that starts with the magic bytes of gzip is decompressed while it is read, including all
@@ -25,20 +108,26 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// # Errors
 ///
 /// If the file does not exist, is not readable, or is a folder.
-pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
+pub(super) fn open_input(path: &Path) -> Result<Input, FileError> {
+    let read_error = |source| FileError::Read { path: input_name(path), source };
     let raw: Box<dyn BufRead> = if is_dash(path) {
         Box::new(io::stdin().lock())
     } else {
         let open_error = |source| FileError::Open { path: input_name(path), source };
         let file = File::open(path).map_err(open_error)?;
+        let kind = file.metadata().map_err(open_error)?.file_type();
         // A folder can be opened, but the error of the first read would not state the cause.
-        if file.metadata().map_err(open_error)?.is_dir() {
+        if kind.is_dir() {
             return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
         }
         record_input(path);
-        Box::new(BufReader::with_capacity(BUFFER, file))
+        let mut file = BufReader::with_capacity(BUFFER, file);
+        if kind.is_file() && !file.fill_buf().map_err(read_error)?.starts_with(&GZIP) {
+            return Ok(Input(Kind::Regular(file)));
+        }
+        Box::new(file)
     };
-    decompressed(raw).map_err(|source| FileError::Read { path: input_name(path), source })
+    decompressed(raw).map(|content| Input(Kind::Stream(content))).map_err(read_error)
 }
 
 /// Returns all bytes of a file, decompressed as by [`open_input`].

@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::files::FileError;
-use crate::memory::{available_memory, gibibytes};
+use crate::memory::{available_memory, gibibytes, memory_beyond};
 
 /// The number of additional bytes after which the available memory is checked again.
 const STEP: u64 = 64 << 20;
@@ -56,7 +56,7 @@ impl MemoryGuard {
             return None;
         }
         self.checked = held;
-        available_memory()
+        memory_beyond(held)
     }
 }
 

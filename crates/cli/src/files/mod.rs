@@ -48,8 +48,8 @@ pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use point_templates::point_files;
 pub(crate) use points::{
-    ColumnChoice, FilePoint, OptionSpelling, PointFile, ReadOptions, points_of_array, read_points,
-    write_points,
+    Block, BlockStream, BlockedFiles, ColumnChoice, FilePoint, FileSurvey, OptionSpelling,
+    PointFile, ReadOptions, RowTally, points_of_array, read_points, survey, write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
 pub use rotations::RotationFormat;

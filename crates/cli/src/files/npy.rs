@@ -11,10 +11,12 @@ mod item_type;
 mod tests;
 
 use std::io::{self, Read, Write};
+use std::ops::Range;
 
 use npyz::WriterBuilder;
 
 use super::file_error::{FileError, Place};
+use super::input::SkipBytes;
 use super::memory_guard::MemoryGuard;
 
 use description::Description;
@@ -146,8 +148,20 @@ impl<'a, R: Read> NpyReader<'a, R> {
         Ok(Array { bits, shape, fortran_order, bytes_follow })
     }
 
-    /// Calls `take` with the bytes of each row of an array, `row` bytes each, the last index
-    /// fastest in either order of the file. Returns whether the file continues after the array.
+    /// Returns the number of rows of `row` bytes each, of items or records of `item` bytes; 0 if
+    /// they cannot be counted.
+    pub(super) fn rows(&self, item: usize, row: usize) -> usize {
+        self.bytes_of(item).and_then(|bytes| bytes.checked_div(row)).unwrap_or(0)
+    }
+
+    /// Returns whether a file of this number of bytes has the whole array.
+    pub(super) fn fits(&self, item: usize, file_bytes: u64) -> bool {
+        let bytes = self.bytes_of(item).and_then(|bytes| bytes.checked_add(self.header_bytes));
+        bytes.is_some_and(|bytes| bytes as u64 <= file_bytes)
+    }
+
+    /// Calls `take` with the index and the bytes of each row of an array, `row` bytes each, the last
+    /// index fastest in either order of the file. Returns whether the file continues after the array.
     ///
     /// `item` is the number of bytes of a plain item or of a record, and `row` a multiple of them
     /// by a number that divides the last dimension.
@@ -160,20 +174,53 @@ impl<'a, R: Read> NpyReader<'a, R> {
     ///
     /// Stores a part of a file in C order, and all of one in Fortran order.
     pub(super) fn for_each_row(
+        self,
+        item: usize,
+        row: usize,
+        take: impl FnMut(usize, &[u8]) -> Result<(), FileError>,
+    ) -> Result<bool, FileError>
+    where
+        R: SkipBytes,
+    {
+        let rows = 0..self.rows(item, row);
+        self.for_some_rows(item, row, rows, take)
+    }
+
+    /// Does the same for a range of rows. Returns false unless these are the last ones.
+    ///
+    /// # Errors
+    ///
+    /// As [`for_each_row`](Self::for_each_row).
+    ///
+    /// # Performance
+    ///
+    /// Stores a part of a file, but all of one in Fortran order that is compressed or has more than
+    /// two dimensions. Rows of other regular files that are not in the range are not read.
+    pub(super) fn for_some_rows(
         mut self,
         item: usize,
         row: usize,
+        range: Range<usize>,
         mut take: impl FnMut(usize, &[u8]) -> Result<(), FileError>,
-    ) -> Result<bool, FileError> {
+    ) -> Result<bool, FileError>
+    where
+        R: SkipBytes,
+    {
         let bytes = self.bytes_of(item).ok_or_else(|| self.size_error())?;
         let rows = bytes.checked_div(row).unwrap_or(0);
+        let range = range.start..range.end.min(rows);
+        let path = self.path;
+        let read_error = |source| FileError::Read { path: path.to_owned(), source };
         // The order of a single dimension is irrelevant.
         let is_fortran = self.description.fortran_order && self.shape().len() > 1;
-        if is_fortran && rows > 0 {
+        let is_matrix = self.shape().len() == 2 && self.shape()[1].checked_mul(item) == Some(row);
+        if is_fortran && is_matrix && self.columns_can_be_read().map_err(read_error)? {
+            self.for_each_row_of_columns(item, row, rows, range.clone(), &mut take)?;
+        } else if is_fortran && rows > 0 {
             let all = self.read_all(bytes)?;
             let items = row / item;
             let mut gathered = vec![0; row];
-            for index in 0..rows {
+            for index in range.clone() {
                 for (column, place) in gathered.chunks_exact_mut(item).enumerate() {
                     let start = item * fortran_place(self.shape(), index * items + column);
                     place.copy_from_slice(&all[start..start + item]);
@@ -183,9 +230,10 @@ impl<'a, R: Read> NpyReader<'a, R> {
         } else {
             let mut chunk = Vec::new();
             let together = (CHUNK / row.max(1)).max(1);
-            let mut index = 0;
-            while index < rows {
-                let count = together.min(rows - index);
+            let mut index = range.start;
+            self.input.skip_bytes((index * row) as u64).map_err(read_error)?;
+            while index < range.end {
+                let count = together.min(range.end - index);
                 self.read_bytes(&mut chunk, count * row, index * row, bytes)?;
                 for bytes in chunk.chunks_exact(row) {
                     take(index, bytes)?;
@@ -193,8 +241,52 @@ impl<'a, R: Read> NpyReader<'a, R> {
                 }
             }
         }
-        let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
-        Ok(self.input.read(&mut [0]).map_err(read_error)? > 0)
+        Ok(range.end == rows && self.input.read(&mut [0]).map_err(read_error)? > 0)
+    }
+
+    /// Returns whether the input has positions, so that columns in Fortran order can be read in turn.
+    fn columns_can_be_read(&mut self) -> io::Result<bool>
+    where
+        R: SkipBytes,
+    {
+        self.input.jump_to(self.header_bytes as u64)
+    }
+
+    /// Calls `take` for a range of the rows of an array of columns.
+    fn for_each_row_of_columns(
+        &mut self,
+        item: usize,
+        row: usize,
+        rows: usize,
+        range: Range<usize>,
+        take: &mut impl FnMut(usize, &[u8]) -> Result<(), FileError>,
+    ) -> Result<(), FileError>
+    where
+        R: SkipBytes,
+    {
+        let together = CHUNK / item;
+        let (mut chunk, mut gathered) = (Vec::new(), Vec::new());
+        let mut index = range.start;
+        while index < range.end {
+            let count = together.min(range.end - index);
+            gathered.clear();
+            gathered.resize(count * row, 0);
+            for column in 0..row / item {
+                let done = (column * rows + index) * item;
+                let jumped = self.input.jump_to((self.header_bytes + done) as u64);
+                jumped.map_err(|source| FileError::Read { path: self.path.to_owned(), source })?;
+                self.read_bytes(&mut chunk, count * item, done, rows * row)?;
+                let places = gathered.chunks_exact_mut(row).zip(chunk.chunks_exact(item));
+                for (row, bytes) in places {
+                    row[column * item..][..item].copy_from_slice(bytes);
+                }
+            }
+            for bytes in gathered.chunks_exact(row) {
+                take(index, bytes)?;
+                index += 1;
+            }
+        }
+        Ok(())
     }
 
     /// Returns all `bytes` of the array, limited by the available memory.

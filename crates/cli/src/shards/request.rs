@@ -73,13 +73,14 @@ impl Request {
 }
 
 /// The flags that do not change results, and whether a value follows.
-const OWN: [(&str, bool); 8] = [
+const OWN: [(&str, bool); 9] = [
     ("--shard", true),
     ("--save", true),
     ("--threads", true),
     ("-j", true),
     ("--log", true),
     ("--wait", false),
+    ("--memory", true),
     ("--json", false),
     ("--quiet", false),
 ];

@@ -4,6 +4,7 @@
 mod accuracy;
 mod audits;
 mod catalogues;
+mod catalogues_in_blocks;
 mod choices;
 mod choices_of_densities;
 mod comparison_files;

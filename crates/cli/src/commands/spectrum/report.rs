@@ -36,7 +36,8 @@ pub(crate) struct SpectrumBody {
     /// The standard error of each power; 0 where it is exact, null where there is none.
     #[schemars(with = "Vec<Option<f64>>")]
     stderr: Vec<f64>,
-    /// The mean power of even degrees beyond `lmax`.
+    /// The mean power of even degrees beyond `lmax`; null if it is not known.
+    #[schemars(with = "Option<f64>")]
     tail_even: f64,
     /// The mean power of odd degrees beyond `lmax`, which the hemisphere does not have.
     #[serde(skip_serializing_if = "Option::is_none")]

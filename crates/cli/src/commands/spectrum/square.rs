@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use sphvar_samplers::{
-    Ensemble, Purpose, Square, SquareDistribution, SquarePattern, SquareRealizations,
+    Ensemble, PointSet, Purpose, Square, SquareDistribution, SquarePattern, SquareRealizations,
     SquareSampler, Streams,
 };
 use sphvar_sh::Frequencies;
@@ -12,6 +12,7 @@ use sphvar_spectrum::{
     SquareResolution, accumulate_square,
 };
 
+use super::catalogue::{check_input, open_sets};
 use super::square_report::{SquareResult, emit_square};
 use super::{
     EstimatedSums, Origin, REALIZATIONS, Remarks, SavedEnsemble, Shard, SpectrumArgs, SquareSums,
@@ -23,7 +24,7 @@ use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::check_memory;
 use crate::patterns;
-use crate::point_sets::{FileSets, WeightSums, WeightTotals};
+use crate::point_sets::{FileSets, SetFacts, WeightSums};
 use crate::progress::Progress;
 use crate::report::Provenance;
 use crate::shards::{Divided, Part};
@@ -36,14 +37,27 @@ const BAND_BYTES: f64 = 320.0;
 
 /// The source of the point sets.
 enum Source {
-    Sampler { pattern: SquarePattern, sampler: Box<dyn SquareSampler> },
-    Files(FileSets<Square>),
+    Sampler {
+        pattern: SquarePattern,
+        sampler: Box<dyn SquareSampler>,
+    },
+    /// The sets of files, `None` if their results are known.
+    Files {
+        facts: SetFacts,
+        sets: Option<FileSets<Square>>,
+    },
 }
+
+/// The sets of files whose results are known.
+const NO_SETS: &[PointSet<[f64; 2]>] = &[];
 
 impl Source {
     fn new(args: &SpectrumArgs, global: &Global) -> Result<Self, CliError> {
         let Some(name) = &args.sets.sampler.sampler else {
-            return Ok(Self::Files(FileSets::read_square(&args.sets.files, &global.session)?));
+            check_input(args)?;
+            let read = || FileSets::read_square(&args.sets.files, &global.session);
+            let (facts, sets) = open_sets(global, read)?;
+            return Ok(Self::Files { facts, sets });
         };
         let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
         let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, &global.session)?;
@@ -54,7 +68,7 @@ impl Source {
     fn facts(&self) -> (String, usize) {
         match self {
             Self::Sampler { pattern, sampler } => (pattern.to_string(), sampler.n_points()),
-            Self::Files(sets) => (sets.name().to_owned(), sets.mean_size()),
+            Self::Files { facts, .. } => (facts.name.clone(), facts.mean_size),
         }
     }
 }
@@ -159,7 +173,8 @@ fn sampled(
     let (given_sets, shifted);
     // The power does not depend on shifts, which given sets do without.
     let (sets, count, set_work): (&dyn Ensemble<[f64; 2]>, u64, f64) = match source {
-        Source::Files(sets) => (sets.sets(), sets.count(), 0.0),
+        Source::Files { facts, sets: Some(sets) } => (sets.sets(), facts.count, 0.0),
+        Source::Files { facts, sets: None } => (&NO_SETS, facts.count, 0.0),
         Source::Sampler { sampler, .. } => {
             let given = match sampler.distribution() {
                 SquareDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
@@ -181,7 +196,7 @@ fn sampled(
     }
     let is_random = match source {
         Source::Sampler { sampler, .. } => sampler.is_random(),
-        Source::Files(_) => count > 1,
+        Source::Files { .. } => count > 1,
     };
     // One set of a deterministic pattern determines its spectrum.
     let count = if is_random { count } else { 1 };
@@ -222,7 +237,7 @@ fn sampled(
             let is_file = matches!(pattern, SquarePattern::PointFile(_));
             Origin::of_sampler(is_file, WeightSums::of_square_sampler(&**sampler))
         }
-        Source::Files(sets) => Origin::Given(WeightTotals::of_sets(sets.sets().sets())),
+        Source::Files { facts, .. } => Origin::Given(facts.weights.clone()),
     };
     Ok(Some((result, EstimatedSums { shard, origin })))
 }

@@ -11,6 +11,7 @@ use std::str::FromStr;
 
 use super::header::{CARD, Header};
 use crate::files::file_error::{FileError, Place};
+use crate::files::input::SkipBytes;
 use crate::files::text_rows::shortened;
 
 /// Headers and data fill blocks of this many bytes.
@@ -240,6 +241,26 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         self.position += bytes.len() as u64;
         self.unread = self.unread.saturating_sub(bytes.len() as u64);
         Ok(())
+    }
+
+    /// Skips bytes of the data unit.
+    ///
+    /// # Errors
+    ///
+    /// When reading fails.
+    pub(in crate::files) fn skip_bytes(&mut self, bytes: u64) -> Result<(), FileError>
+    where
+        R: SkipBytes,
+    {
+        self.input.skip_bytes(bytes).map_err(|source| self.read_error(source))?;
+        self.position = self.position.saturating_add(bytes);
+        self.unread = self.unread.saturating_sub(bytes);
+        Ok(())
+    }
+
+    /// Returns whether a file of this number of bytes has this number of bytes of the data unit.
+    pub(crate) fn fits(&self, data_bytes: u64, file_bytes: u64) -> bool {
+        self.position.saturating_add(data_bytes) <= file_bytes
     }
 
     /// Skips the unread part of the current data unit; the last one may lack its padding.

@@ -3,7 +3,7 @@
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::given::PointTable;
 
@@ -38,7 +38,10 @@ pub(crate) fn points_of_array<P: FilePoint>(
         && layout.set.is_none()
         && sources.iter().take(names.len()).copied().eq(0..names.len());
     let weights = table.weights.as_deref().filter(|_| layout.weight.is_some());
-    let mut collector = PointCollector::new(name, layout, options)?;
+    let mut collector = PointCollector::new(name, layout, options, Purpose::Keep)?;
+    if table.sets.is_none() {
+        collector.reserve(table.len() as u64);
+    }
     let n_of_set = table.len() / table.sets.unwrap_or(1).max(1);
     for (index, coordinates) in table.coordinates.chunks_exact(names.len()).enumerate() {
         let (set, row) = (index / n_of_set, index % n_of_set);

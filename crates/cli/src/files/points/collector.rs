@@ -2,15 +2,16 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
 use sphvar_samplers::PointSet;
 
 use super::angles::{direction_of_degrees, direction_of_radians};
 use super::columns::{Layout, listed};
-use super::lengths::Lengths;
 use super::space::FilePoint;
-use super::{PointFile, ReadOptions};
+use super::tally::RowTally;
+use super::{PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
 use crate::files::text_rows::shortened;
@@ -22,9 +23,6 @@ const THETA_SLACK: f64 = 1e-6;
 const STEP: usize = 1 << 12;
 /// The number of bytes of a set without its points.
 const SET_BYTES: usize = 128;
-/// The maximum number of skipped rows that a warning names.
-const NAMED: usize = 5;
-
 /// The content of a column of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Cell<'a> {
@@ -45,6 +43,7 @@ pub(crate) struct Row<P> {
 pub(crate) struct PointCollector<'a, P> {
     path: &'a str,
     options: &'a ReadOptions,
+    purpose: Purpose<'a, P>,
     layout: Layout,
     sets: Vec<PointSet<P>>,
     values: Vec<f64>,
@@ -56,15 +55,8 @@ pub(crate) struct PointCollector<'a, P> {
     /// The label of the previous row.
     label: Option<String>,
     current: usize,
-    points: usize,
-    lengths: Lengths,
-    skipped: usize,
-    /// The places of the first skipped rows.
-    skipped_places: Vec<Place>,
+    pub(super) tally: RowTally,
     guard: MemoryGuard,
-    warnings: Vec<String>,
-    /// The number of points of the square with coordinates by more than 1 outside.
-    pub(super) n_far: usize,
 }
 
 impl<'a, P: FilePoint> PointCollector<'a, P> {
@@ -77,6 +69,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         path: &'a str,
         layout: Layout,
         options: &'a ReadOptions,
+        purpose: Purpose<'a, P>,
     ) -> Result<Self, FileError> {
         let layout_error = |expected: &str, got: String| FileError::Layout {
             path: path.to_owned(),
@@ -104,6 +97,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         Ok(Self {
             path,
             options,
+            purpose,
             layout,
             sets: vec![PointSet::default()],
             values: Vec::new(),
@@ -112,13 +106,8 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
             by_label: HashMap::new(),
             label: None,
             current: 0,
-            points: 0,
-            lengths: Lengths::default(),
-            skipped: 0,
-            skipped_places: Vec::new(),
+            tally: RowTally::default(),
             guard: MemoryGuard::default(),
-            warnings: Vec::new(),
-            n_far: 0,
         })
     }
 
@@ -132,8 +121,45 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         &self.layout
     }
 
+    /// Returns which of the rows of a file of this number of rows are read.
+    pub(super) fn rows(&mut self, total: u64) -> Range<u64> {
+        match &mut self.purpose {
+            Purpose::Keep => 0..total,
+            Purpose::Count(survey) => {
+                survey.rows = total;
+                survey.is_streamed = true;
+                0..0
+            }
+            Purpose::Blocks(writer) => writer.jump(),
+        }
+    }
+
+    /// Returns whether no more rows of the file are read, although others follow.
+    pub(super) fn is_done(&self) -> bool {
+        match &self.purpose {
+            Purpose::Keep | Purpose::Count(_) => false,
+            Purpose::Blocks(writer) => writer.is_done(),
+        }
+    }
+
+    /// Reserves memory for this number of points.
+    pub(super) fn reserve(&mut self, points: u64) {
+        if matches!(self.purpose, Purpose::Keep) {
+            let points = usize::try_from(points).unwrap_or(usize::MAX);
+            let set = &mut self.sets[self.current];
+            // Without this memory, an error follows where it is needed.
+            let _ = set.points.try_reserve_exact(points);
+            if self.layout.weight.or(self.layout.sigma).is_some() {
+                let _ = set.weights.try_reserve_exact(points);
+            }
+        }
+    }
+
     /// Starts the next set, unless the current one is still empty.
     pub(super) fn next_set(&mut self) {
+        if let Purpose::Count(survey) = &mut self.purpose {
+            survey.has_sets |= survey.rows > 0;
+        }
         if !self.sets[self.current].points.is_empty() {
             self.add_set();
         }
@@ -145,9 +171,30 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         self.current = self.sets.len() - 1;
     }
 
-    /// Returns the number of points of the current set.
-    pub(super) fn len(&self) -> usize {
-        self.sets[self.current].points.len()
+    /// Returns whether the current set has rows before the next one.
+    pub(super) fn has_rows(&self) -> bool {
+        match &self.purpose {
+            Purpose::Keep => !self.sets[self.current].points.is_empty(),
+            Purpose::Count(survey) => survey.rows > 0,
+            Purpose::Blocks(writer) => writer.has_rows(),
+        }
+    }
+
+    /// Counts a row, and returns whether it is read.
+    ///
+    /// # Errors
+    ///
+    /// If nothing more is to be read.
+    pub(super) fn begin_row(&mut self) -> Result<bool, FileError> {
+        match &mut self.purpose {
+            Purpose::Keep => Ok(true),
+            Purpose::Count(survey) => {
+                survey.rows += 1;
+                survey.is_streamed = true;
+                Ok(false)
+            }
+            Purpose::Blocks(writer) => writer.begin_row(self.path, &mut self.tally),
+        }
     }
 
     /// Adds the point of a row; `cell` returns the content of each of the layout's slots.
@@ -156,6 +203,19 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
     ///
     /// When the row has no direction or weight, unless such rows are skipped.
     pub(super) fn row<'c>(
+        &mut self,
+        place: Place,
+        cell: impl Fn(usize) -> Cell<'c>,
+    ) -> Result<(), FileError> {
+        if self.begin_row()? { self.begun_row(place, cell) } else { Ok(()) }
+    }
+
+    /// Adds the point of a row as [`row`](Self::row) does, after [`begin_row`](Self::begin_row).
+    ///
+    /// # Errors
+    ///
+    /// As [`row`](Self::row).
+    pub(super) fn begun_row<'c>(
         &mut self,
         place: Place,
         cell: impl Fn(usize) -> Cell<'c>,
@@ -172,8 +232,8 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
     }
 
     /// Adds the point with these coordinates and this weight, and returns whether it could be added
-    /// as it is: others are left to [`row`](Self::row), with its messages. The layout has the
-    /// coordinates in their order, and neither a column of sets nor one of values.
+    /// as it is: others are left to [`begun_row`](Self::begun_row), with its messages. The layout has the
+    /// coordinates in their order, and neither a column of sets nor one of values. The row has begun.
     ///
     /// # Errors
     ///
@@ -187,7 +247,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         if !weight.is_none_or(f64::is_finite) {
             return Ok(false);
         }
-        match P::of_coordinates(coordinates, place, &mut self.lengths) {
+        match P::of_coordinates(coordinates, place, &mut self.tally.lengths) {
             Some(point) => self.push(place, Row { point, weight, value: None }).map(|()| true),
             None => Ok(false),
         }
@@ -196,6 +256,11 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
     /// Adds a point to the current set.
     fn push(&mut self, place: Place, row: Row<P>) -> Result<(), FileError> {
         let Row { point, weight, value } = row;
+        self.tally.points += 1;
+        if let Purpose::Blocks(writer) = &mut self.purpose {
+            writer.push(point, weight);
+            return Ok(());
+        }
         let set = &mut self.sets[self.current];
         if set.is_empty() {
             self.starts[self.current] = place;
@@ -208,8 +273,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
             set.weights.push(weight);
         }
         self.values.extend(value);
-        self.points += 1;
-        if self.points.is_multiple_of(STEP) {
+        if self.tally.points.is_multiple_of(STEP) {
             self.check_memory()?;
         }
         Ok(())
@@ -225,20 +289,38 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
             let option = self.options.spelling.on("skip-invalid");
             return Err(error.with_hint(&format!("{option} skips such rows")));
         }
-        self.skipped += 1;
-        if self.skipped_places.len() < NAMED {
-            self.skipped_places.push(place);
-        }
+        self.tally.skip(place);
         Ok(())
     }
 
     /// Adds a warning for the user, prefixed by the path.
     pub(super) fn warn(&mut self, message: &str) {
-        self.warnings.push(format!("{}: {message}", self.path));
+        self.tally.warnings.push(format!("{}: {message}", self.path));
     }
 
-    /// Returns the sets, or an error if there are no points or most are not directions.
+    /// Returns the sets, or an error if there are no points or most are not directions. For another
+    /// purpose than to keep them, there are none, and the counts are where it needs them.
     pub(super) fn finish(mut self) -> Result<PointFile<P>, FileError> {
+        let remarks = self.remarks();
+        let weight_role = match (self.layout.weight, self.layout.sigma) {
+            (Some(_), _) => Some("w"),
+            (None, Some(_)) => Some("sigma"),
+            (None, None) => None,
+        };
+        match &mut self.purpose {
+            Purpose::Keep => {}
+            Purpose::Count(survey) => {
+                self.path.clone_into(&mut survey.name);
+                survey.has_sets |= self.layout.set.is_some();
+                survey.has_weights = weight_role.is_some();
+                survey.remarks = remarks;
+                return Ok(PointFile::default());
+            }
+            Purpose::Blocks(writer) => {
+                writer.end_file(self.tally);
+                return Ok(PointFile::default());
+            }
+        }
         let first_below = self.below.map(|(place, set, z)| {
             let set = self.sets[..set].iter().filter(|set| !set.is_empty()).count();
             let path = self.path;
@@ -247,37 +329,13 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
         let places = self.sets.iter().zip(&self.starts).filter(|(set, _)| !set.is_empty());
         let starts = places.map(|(_, place)| *place).collect();
         self.sets.retain(|set| !set.points.is_empty());
-        if self.skipped > 0 {
-            let places: Vec<String> =
-                self.skipped_places.iter().map(|place| format!("{}{place}", self.path)).collect();
-            let more = if self.skipped > places.len() { ", ..." } else { "" };
-            self.warn(&format!(
-                "{} of {} rows skipped as invalid: {}{more}",
-                self.skipped,
-                self.skipped + self.points,
-                places.join(", ")
-            ));
-        }
-        if self.sets.is_empty() {
-            return match self.skipped {
-                0 => Err(FileError::Empty { path: self.path.to_owned() }),
-                skipped => Err(FileError::Layout {
-                    path: self.path.to_owned(),
-                    place: Place::Whole,
-                    expected: "at least one valid row".to_owned(),
-                    got: format!("{skipped} invalid rows"),
-                }),
-            };
-        }
-        if self.n_far > 0 {
-            self.warn(&format!(
-                "{} of {} points have coordinates beyond [-1, 2), which are taken modulo 1; coordinates in a \
-                 periodic box must be divided by its period",
-                self.n_far, self.points
-            ));
-        }
-        let warning = self.lengths.verdict(self.path, self.points, self.options)?;
-        self.warnings.extend(warning);
+        let warnings = self.tally.conclude(self.path, self.options)?;
+        let (sets, values) = (self.sets, self.values);
+        Ok(PointFile { sets, values, weight_role, starts, first_below, warnings, remarks })
+    }
+
+    /// Returns remarks on columns that are not used.
+    fn remarks(&self) -> Vec<String> {
         let unused = &self.layout.unused;
         let mut remarks = if unused.is_empty() {
             Vec::new()
@@ -295,13 +353,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
                 self.options.spelling.columns(others)
             ));
         }
-        let weight_role = match (self.layout.weight, self.layout.sigma) {
-            (Some(_), _) => Some("w"),
-            (None, Some(_)) => Some("sigma"),
-            (None, None) => None,
-        };
-        let (sets, values, warnings) = (self.sets, self.values, self.warnings);
-        Ok(PointFile { sets, values, weight_role, starts, first_below, warnings, remarks })
+        remarks
     }
 
     /// Returns the weight of a row, stated or from a standard error, and its value.
@@ -399,8 +451,9 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
     fn check_memory(&mut self) -> Result<(), FileError> {
         let numbers = [self.layout.weight.or(self.layout.sigma), self.layout.value];
         let of_point = size_of::<P>() + numbers.iter().flatten().count() * size_of::<f64>();
-        let held = self.points * of_point + self.sets.len() * SET_BYTES;
-        let what = format!("a set of more than {} points", self.points);
+        let points = self.tally.points;
+        let held = points * of_point + self.sets.len() * SET_BYTES;
+        let what = format!("a set of more than {points} points");
         self.guard.check(self.path, &what, held as u64)
     }
 }
@@ -421,7 +474,7 @@ impl PointCollector<'_, DVec3> {
             "x" => {
                 let vector = DVec3::new(number(0)?, number(1)?, number(2)?);
                 let (weight, value) = self.weight_and_value(place, cell)?;
-                let point = self.lengths.direction(vector, place).ok_or_else(|| {
+                let point = self.tally.lengths.direction(vector, place).ok_or_else(|| {
                     let expected = "a vector that has a direction";
                     self.error(place, "x, y, z", expected, "the zero vector".to_owned())
                 })?;

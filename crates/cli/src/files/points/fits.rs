@@ -1,13 +1,15 @@
 //! Reads point sets from tables in FITS files.
 
 use std::io::BufRead;
+use std::ops::Range;
 
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{FilePoint, OptionSpelling, PointFile, ReadOptions};
+use super::{FilePoint, OptionSpelling, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
+use crate::files::input::Input;
 use crate::files::memory_guard::check_announced;
 
 /// The number of bytes that are read at a time if rows are not longer.
@@ -19,11 +21,13 @@ const MAX_ROW: usize = 1 << 26;
 
 /// Returns the sets of a table, binary or ASCII, from the selected HDU or the first table.
 pub(super) fn read_fits<P: FilePoint>(
-    input: impl BufRead,
+    input: Input,
     path: &str,
     options: &ReadOptions,
     file_bytes: Option<u64>,
+    purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
+    let is_regular = input.is_regular();
     let mut file = HduReader::new(input, path);
     let hdu = file.select(&options.hdu, Hdu::is_table, "a table")?;
     let (row, rows) = hdu.table_size(path, MAX_ROW)?;
@@ -40,19 +44,32 @@ pub(super) fn read_fits<P: FilePoint>(
         }
         Err(error) => return Err(error),
     };
-    if let Some(bytes) = file_bytes {
+    let table_bytes = rows.saturating_mul(row as u64);
+    // Whether the file has all the rows that its header announces.
+    let is_whole = file_bytes.filter(|_| is_regular).map(|bytes| file.fits(table_bytes, bytes));
+    if matches!(purpose, Purpose::Count(_)) && is_whole == Some(false) {
+        // The error is that of reading the whole file.
+        return Ok(PointFile::default());
+    }
+    if let Some(bytes) = file_bytes
+        && matches!(purpose, Purpose::Keep)
+    {
         let points = (bytes as f64 / row.max(1) as f64).min(rows as f64);
         check_announced(path, "the points of the table", points * size_of::<[f64; 4]>() as f64)?;
     }
     let places: Vec<(usize, usize)> =
         layout.slots.iter().map(|slot| (slot.column, slot.item)).collect();
-    let mut points = PointCollector::new(path, layout, options)?;
+    let mut points = PointCollector::new(path, layout, options, purpose)?;
     let what = format!("{rows} rows of {row} bytes");
     let together = (CHUNK / row.max(1)).max(1) as u64;
     let mut bytes = Vec::new();
-    let mut done = 0;
-    while done < rows {
-        let count = together.min(rows - done);
+    if is_whole == Some(true) {
+        points.reserve(rows);
+    }
+    let Range { start: mut done, end } = points.rows(rows);
+    file.skip_bytes(done.saturating_mul(row as u64))?;
+    while done < end {
+        let count = together.min(end - done);
         // At most a chunk or a row.
         let length = usize::try_from(count).unwrap_or(usize::MAX).saturating_mul(row);
         bytes.resize(length, 0);

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::input::read_rest;
 
@@ -24,7 +24,12 @@ pub(super) fn read_json<P: FilePoint>(
     input: impl BufRead,
     path: &str,
     options: &ReadOptions,
+    purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
+    if !matches!(purpose, Purpose::Keep) {
+        // The document is parsed as a whole.
+        return Ok(PointFile::default());
+    }
     let text = read_rest(input, path)?;
     let document: Document<P::Numbers> =
         serde_json::from_slice(&text).map_err(|error| FileError::Layout {
@@ -52,7 +57,7 @@ pub(super) fn read_json<P: FilePoint>(
     let columns: Vec<Column> =
         names.map(|name| Column::single(if has_names { *name } else { "" })).collect();
     let table = Table { path, place, columns: &columns, has_names, options };
-    let mut points = PointCollector::new(path, table.layout()?, options)?;
+    let mut points = PointCollector::new(path, table.layout()?, options, purpose)?;
     let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
     for (index, set) in document.points.iter().enumerate() {
         points.next_set();

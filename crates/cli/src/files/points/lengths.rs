@@ -1,6 +1,7 @@
 //! The lengths of vectors that should be unit vectors.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::ReadOptions;
 use crate::files::file_error::{FileError, Place};
@@ -14,7 +15,7 @@ const FAR: f64 = 1e-2;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Statistics of the lengths of the vectors of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lengths {
     /// The number of lengths that differ from 1 by more than [`TOLERANCE`].
     rescaled: usize,
@@ -22,7 +23,7 @@ pub(crate) struct Lengths {
     far: usize,
     worst: Option<(f64, Place)>,
     /// The largest magnitude of each coordinate.
-    sizes: DVec3,
+    sizes: [f64; 3],
     /// The smallest first coordinate.
     min_x: f64,
 }
@@ -34,7 +35,7 @@ impl Lengths {
         if size == 0.0 {
             return None;
         }
-        self.sizes = self.sizes.max(vector.abs());
+        self.sizes = DVec3::from_array(self.sizes).max(vector.abs()).to_array();
         self.min_x = self.min_x.min(vector.x);
         // Scaled first, which keeps the squares of tiny and huge vectors in range.
         let scaled = vector / size;
@@ -46,13 +47,31 @@ impl Lengths {
         if off > TOLERANCE {
             self.rescaled += 1;
             self.far += usize::from(off > FAR);
-            // Distances from 1 are ratios, so that 0.01 counts as worse than 2.
-            let badness = length.ln().abs();
-            if self.worst.is_none_or(|(other, _)| badness > other.ln().abs()) {
-                self.worst = Some((length, place));
-            }
+            self.compare(length, place);
         }
         Some(scaled.normalize())
+    }
+
+    /// Takes a length as the worst if it is.
+    fn compare(&mut self, length: f64, place: Place) {
+        // Distances from 1 are ratios, so that 0.01 counts as worse than 2.
+        let badness = length.ln().abs();
+        if self.worst.is_none_or(|(other, _)| badness > other.ln().abs()) {
+            self.worst = Some((length, place));
+        }
+    }
+
+    /// Adds the statistics of later vectors.
+    pub(super) fn append(&mut self, later: &Self) {
+        self.rescaled = self.rescaled.saturating_add(later.rescaled);
+        self.far = self.far.saturating_add(later.far);
+        if let Some((length, place)) = later.worst {
+            self.compare(length, place);
+        }
+        for (size, other) in self.sizes.iter_mut().zip(later.sizes) {
+            *size = size.max(other);
+        }
+        self.min_x = self.min_x.min(later.min_x);
     }
 
     /// Returns a warning about lengths other than 1, if there are any and the user did not allow
@@ -92,7 +111,7 @@ impl Lengths {
     fn advice(&self, options: &ReadOptions) -> String {
         let spelling = options.spelling;
         let normalize = spelling.on("normalize");
-        let DVec3 { x, y, .. } = self.sizes;
+        let [x, y, _] = self.sizes;
         let pi = std::f64::consts::PI;
         if x <= pi && self.min_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
             let columns =

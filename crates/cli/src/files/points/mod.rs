@@ -3,6 +3,7 @@
 mod angles;
 mod array;
 mod assignment;
+mod blocks;
 mod collector;
 mod column;
 mod columns;
@@ -17,6 +18,7 @@ mod roles;
 mod space;
 mod spelling;
 mod suggestion;
+mod tally;
 mod text;
 mod write;
 
@@ -32,17 +34,20 @@ use sphvar_samplers::PointSet;
 
 use super::file_error::{FileError, Place, input_name, is_dash};
 use super::fits::HduChoice;
-use super::input::{open_input, read_rest};
+use super::input::{Input, open_input, read_rest};
 
 pub(crate) use array::points_of_array;
+use blocks::BlockWriter;
+pub(crate) use blocks::{Block, BlockStream, BlockedFiles, FileSurvey, survey};
 pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
 pub(crate) use space::{FilePoint, Space};
 pub(crate) use spelling::OptionSpelling;
+pub(crate) use tally::RowTally;
 pub(crate) use write::write_points;
 
 /// The content of a file: at least one set, each with at least one point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PointFile<P = DVec3> {
     /// The sets in the order of their first appearance: unit vectors, or points in [0, 1)^2, in the
     /// order of the file, and finite weights of any sign if the file has a column `w` or `weight`.
@@ -111,19 +116,39 @@ pub(crate) fn read_points<P: FilePoint>(
     path: &Path,
     options: &ReadOptions,
 ) -> Result<PointFile<P>, FileError> {
+    read_for(path, options, Purpose::Keep)
+}
+
+/// What is done with the rows of a file.
+enum Purpose<'a, P> {
+    /// They are kept.
+    Keep,
+    /// They are counted.
+    Count(&'a mut FileSurvey),
+    /// Some of them are divided into blocks.
+    Blocks(&'a mut BlockWriter<P>),
+}
+
+/// Reads a file as [`read_points`] does, for a purpose.
+fn read_for<P: FilePoint>(
+    path: &Path,
+    options: &ReadOptions,
+    purpose: Purpose<'_, P>,
+) -> Result<PointFile<P>, FileError> {
     let (file, hdu) = HduChoice::of_path(path);
     let hdu = if hdu == HduChoice::First { options.hdu.clone() } else { hdu };
     let options = &ReadOptions { space: P::SPACE, hdu, ..options.clone() };
     let input = open_input(&file)?;
     let bytes = if is_dash(&file) { None } else { fs::metadata(&file).ok().map(|m| m.len()) };
-    read_stream(input, &file, bytes, options)
+    read_stream(input, &file, bytes, options, purpose)
 }
 
 fn read_stream<P: FilePoint>(
-    mut input: Box<dyn BufRead>,
+    mut input: Input,
     file: &Path,
     bytes: Option<u64>,
     options: &ReadOptions,
+    purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
     let name = input_name(file);
     let start =
@@ -145,17 +170,19 @@ fn read_stream<P: FilePoint>(
         });
     }
     match format {
-        PointFormat::Csv => text::read_text(input, &name, options),
-        PointFormat::Npy => npy::read_npy(input, &name, options, bytes),
-        PointFormat::Ply => ply::read_ply(input, &name, options),
-        PointFormat::Json => json::read_json(input, &name, options),
-        PointFormat::Fits => fits::read_fits(input, &name, options, bytes),
+        PointFormat::Csv => text::read_text(input, &name, options, purpose),
+        PointFormat::Npy => npy::read_npy(input, &name, options, bytes, purpose),
+        PointFormat::Ply => ply::read_ply(input, &name, options, bytes, purpose),
+        PointFormat::Json => json::read_json(input, &name, options, purpose),
+        PointFormat::Fits => fits::read_fits(input, &name, options, bytes, purpose),
         PointFormat::Npz => {
             // An archive is read from its end. A plain file need not be stored.
             let is_plain = !is_dash(file) && plain_archive(file);
             match File::open(file) {
-                Ok(file) if is_plain => npz::read_npz(BufReader::new(file), &name, options),
-                _ => npz::read_npz(Cursor::new(read_rest(input, &name)?), &name, options),
+                Ok(file) if is_plain => {
+                    npz::read_npz(BufReader::new(file), &name, options, purpose)
+                }
+                _ => npz::read_npz(Cursor::new(read_rest(input, &name)?), &name, options, purpose),
             }
         }
     }

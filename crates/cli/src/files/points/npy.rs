@@ -1,12 +1,14 @@
 //! Reads point sets from NPY arrays.
 
 use std::io::BufRead;
+use std::ops::Range;
 
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
+use crate::files::input::Input;
 use crate::files::memory_guard::check_announced;
 use crate::files::npy::{Field, ItemType, NpyReader};
 
@@ -17,16 +19,18 @@ use crate::files::npy::{Field, ItemType, NpyReader};
 ///
 /// Supports floats of 4 and 8 bytes and integers, of either byte order, in C or Fortran order.
 pub(super) fn read_npy<P: FilePoint>(
-    mut input: impl BufRead,
+    mut input: Input,
     path: &str,
     options: &ReadOptions,
     file_bytes: Option<u64>,
+    mut purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {
         return Err(FileError::Empty { path: path.to_owned() });
     }
+    let is_regular = input.is_regular();
     let array = NpyReader::new(input, path)?;
     let table = ArrayTable::of(&array, path, options)?;
     let layout = Table {
@@ -39,23 +43,58 @@ pub(super) fn read_npy<P: FilePoint>(
     .layout()?;
     let places: Vec<(usize, ItemType)> =
         layout.slots.iter().map(|slot| table.place(slot.column, slot.item)).collect();
-    if let Some(bytes) = file_bytes {
-        let of_point = size_of::<[f64; 4]>() as f64;
-        let points = bytes as f64 / table.row.max(1) as f64;
-        check_announced(path, "the points of the array", points * of_point)?;
+    let total = array.rows(table.item, table.row);
+    // Whether the file has all the rows that its header announces.
+    let is_whole = file_bytes.filter(|_| is_regular).map(|bytes| array.fits(table.item, bytes));
+    match &mut purpose {
+        Purpose::Keep => {
+            if let Some(bytes) = file_bytes {
+                let of_point = size_of::<[f64; 4]>() as f64;
+                let points = bytes as f64 / table.row.max(1) as f64;
+                check_announced(path, "the points of the array", points * of_point)?;
+            }
+        }
+        // The error is that of reading the whole file.
+        Purpose::Count(_) if is_whole == Some(false) => return Ok(PointFile::default()),
+        Purpose::Count(survey) => survey.has_sets = total > table.points,
+        Purpose::Blocks(_) => {}
     }
-    let mut collector = PointCollector::new(path, layout, options)?;
+    let known = P::SPACE.default_roles();
+    let is_plain =
+        layout.slots.iter().map(|slot| slot.role).take(known.len()).eq(known.iter().copied())
+            && layout.value.is_none()
+            && layout.sigma.is_none()
+            && layout.set.is_none();
+    let weight = layout.weight;
+    let mut collector = PointCollector::new(path, layout, options, purpose)?;
     let (points, several) = (table.points, table.several);
-    let follow = array.for_each_row(table.item, table.row, |index, row| {
+    if is_whole == Some(true) && !several {
+        collector.reserve(total as u64);
+    }
+    let Range { start, end } = collector.rows(total as u64);
+    let [start, end] = [start, end].map(|row| usize::try_from(row).unwrap_or(total));
+    let mut coordinates = vec![0.0; known.len()];
+    let follow = array.for_some_rows(table.item, table.row, start..end, |index, row| {
         let (set, row_of_set) = (index / points, index % points);
         if row_of_set == 0 {
             collector.next_set();
         }
+        if !collector.begin_row()? {
+            return Ok(());
+        }
         let place = if several { Place::RowOfSet(set, row_of_set) } else { Place::Row(row_of_set) };
-        collector.row(place, |slot| {
+        let number = |slot: usize| {
             let (offset, item) = places[slot];
-            Cell::Number(item.number(&row[offset..offset + item.size()]))
-        })
+            item.number(&row[offset..offset + item.size()])
+        };
+        // Most rows, without a look at each of their columns.
+        if is_plain {
+            coordinates.iter_mut().enumerate().for_each(|(slot, x)| *x = number(slot));
+            if collector.plain_row(place, &coordinates, weight.map(number))? {
+                return Ok(());
+            }
+        }
+        collector.begun_row(place, |slot| Cell::Number(number(slot)))
     })?;
     if follow {
         collector.warn("bytes follow the array and were not read");

@@ -1,8 +1,10 @@
 //! Reads point sets from NPZ files: zip archives of NPY arrays.
 
 use std::io::{Read, Seek};
+use std::ops::Range;
 
 use zip::ZipArchive;
+use zip::read::ZipFile;
 use zip::result::ZipError;
 
 use super::collector::{Cell, PointCollector};
@@ -10,8 +12,9 @@ use super::column::Column;
 use super::columns::{Layout, Slot, Table};
 use super::npy::ArrayTable;
 use super::roles::ColumnChoice;
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
+use crate::files::input::SkipBytes;
 use crate::files::memory_guard::MemoryGuard;
 use crate::files::npy::{ItemType, NpyReader};
 use crate::files::text_rows::shortened;
@@ -31,6 +34,7 @@ pub(super) fn read_npz<P: FilePoint>(
     input: impl Read + Seek,
     path: &str,
     options: &ReadOptions,
+    purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
     let archive = ZipArchive::new(input).map_err(|error| zip_error(path, &error))?;
     let mut file = Npz { archive, path, options };
@@ -53,10 +57,14 @@ pub(super) fn read_npz<P: FilePoint>(
         _ => tables.iter().copied().find(|array| array.name == "points"),
     };
     match main {
-        Some(main) => file.read_points(main, &arrays),
+        Some(main) => file.read_points(main, &arrays, purpose),
+        // Columns are held while the points are made of them.
+        None if !matches!(purpose, Purpose::Keep) => Ok(PointFile::default()),
         None => file.read_columns(&arrays),
     }
 }
+
+impl<R: Read> SkipBytes for ZipFile<'_, R> {}
 
 /// An archive with its reader.
 struct Npz<'a, R> {
@@ -123,6 +131,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
         &mut self,
         main: &Shape,
         arrays: &[Shape],
+        mut purpose: Purpose<'_, P>,
     ) -> Result<PointFile<P>, FileError> {
         let path = self.path;
         let (options, name) = (self.options, format!("{path}: {}", main.name));
@@ -153,7 +162,12 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             }
             layout.add(role, table.columns.len());
             table.columns.push(Column::single(&array.name));
-            loaded.push((array.index, role, self.load(array, 0, 1)?));
+            let numbers = if matches!(purpose, Purpose::Count(_)) {
+                Vec::new()
+            } else {
+                self.load(array, 0, 1)?
+            };
+            loaded.push((array.index, role, numbers));
         }
         let is_used = |array: &Shape| {
             array.index == main.index || loaded.iter().any(|(index, ..)| *index == array.index)
@@ -167,9 +181,18 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
         let sources: Vec<Source<'_>> = layout.slots.iter().map(source).collect();
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
         let array = NpyReader::new(entry, &name)?;
-        let mut collector = PointCollector::new(&name, layout, options)?;
+        let total = array.rows(table.item, table.row);
+        match &mut purpose {
+            Purpose::Keep | Purpose::Blocks(_) => {}
+            // Their numbers are held while the points are read.
+            Purpose::Count(_) if !loaded.is_empty() => return Ok(PointFile::default()),
+            Purpose::Count(survey) => survey.has_sets = total > table.points,
+        }
+        let mut collector = PointCollector::new(&name, layout, options, purpose)?;
         let (points, several) = (table.points, table.several);
-        array.for_each_row(table.item, table.row, |index, row| {
+        let Range { start, end } = collector.rows(total as u64);
+        let [start, end] = [start, end].map(|row| usize::try_from(row).unwrap_or(total));
+        array.for_some_rows(table.item, table.row, start..end, |index, row| {
             let (set, row_of_set) = (index / points, index % points);
             if row_of_set == 0 {
                 collector.next_set();
@@ -219,7 +242,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             }
             loaded.push(column);
         }
-        let mut points = PointCollector::new(path, layout, self.options)?;
+        let mut points = PointCollector::new(path, layout, self.options, Purpose::Keep)?;
         for (index, _) in loaded.first().into_iter().flatten().enumerate() {
             points.row(Place::Row(index), |slot| Cell::Number(loaded[slot][index]))?;
         }

@@ -15,8 +15,9 @@ use ply_rs_bw::ply::{
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::{Layout, Table};
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
+use crate::files::input::{Input, SkipBytes};
 use crate::files::text_rows::shortened;
 
 /// The maximum number of bytes of a header.
@@ -27,15 +28,18 @@ const CHUNK: usize = 1 << 12;
 /// Returns the sets of a PLY file: the element vertex, whose properties are columns. Other elements
 /// are skipped.
 pub(super) fn read_ply<P: FilePoint>(
-    mut input: impl BufRead,
+    mut input: Input,
     path: &str,
     options: &ReadOptions,
+    file_bytes: Option<u64>,
+    purpose: Purpose<'_, P>,
 ) -> Result<PointFile<P>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {
         return Err(FileError::Empty { path: path.to_owned() });
     }
+    let is_regular = input.is_regular();
     let head = header_bytes(&mut input)
         .map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     check_names(&head, path)?;
@@ -47,14 +51,48 @@ pub(super) fn read_ply<P: FilePoint>(
     let layout = layout(&header, path, options)?;
 
     let slots: Vec<usize> = layout.slots.iter().map(|slot| slot.column).collect();
-    let mut points = PointCollector::new(path, layout, options)?;
+    let announced = bytes_through_vertices(&header).map(|bytes| header_bytes.saturating_add(bytes));
+    // Whether the file has all the vertices that its header announces.
+    let is_whole =
+        announced.zip(file_bytes.filter(|_| is_regular)).map(|(expected, got)| expected <= got);
+    let is_count = matches!(purpose, Purpose::Count(_));
+    if is_count && is_whole == Some(false) {
+        // The error is that of reading the whole file.
+        return Ok(PointFile::default());
+    }
+    let mut points = PointCollector::new(path, layout, options, purpose)?;
     for (name, element) in &header.elements {
         let is_vertex = name == "vertex";
+        if is_count && !is_vertex {
+            continue;
+        }
         let mut part = if is_vertex { with_slots(element, &slots) } else { element.clone() };
-        let mut done = 0;
-        while done < element.count {
-            part.count = CHUNK.min(element.count - done);
-            let rows = if is_vertex {
+        let (mut done, mut end) = (0, element.count);
+        let mut wanted = 0..0;
+        if is_vertex {
+            if is_whole == Some(true) {
+                points.reserve(element.count as u64);
+            }
+            let rows = points.rows(element.count as u64);
+            let row = |row: u64| usize::try_from(row).unwrap_or(element.count);
+            wanted = row(rows.start)..row(rows.end);
+            end = wanted.end;
+            // Rows of a known length need not be parsed.
+            if header.encoding != Encoding::Ascii
+                && let Some(bytes) = bytes_of(element, wanted.start)
+            {
+                let input = reader.get_mut();
+                let skipped = input.input.get_mut().1.skip_bytes(bytes);
+                skipped.map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+                input.bytes = input.bytes.saturating_add(bytes);
+                done = wanted.start;
+            }
+        }
+        while done < end {
+            let is_read = is_vertex && done >= wanted.start;
+            let until = if is_read || !is_vertex { end } else { wanted.start };
+            part.count = CHUNK.min(until - done);
+            let rows = if is_read {
                 Parser::<Vertex>::new().read_payload_for_element(&mut reader, &part, &header)
             } else {
                 let skipped = Parser::<Skipped>::new();
@@ -62,12 +100,12 @@ pub(super) fn read_ply<P: FilePoint>(
             };
             let rows = rows.map_err(|error| {
                 if error.kind() == io::ErrorKind::UnexpectedEof
-                    && let Some(expected) = bytes_through_vertices(&header)
+                    && let Some(expected) = announced
                 {
                     return FileError::Truncated {
                         path: path.to_owned(),
                         what: format!("{} vertices", header.elements["vertex"].count),
-                        expected: header_bytes.saturating_add(expected),
+                        expected,
                         got: reader.get_ref().bytes,
                     };
                 }
@@ -181,7 +219,7 @@ fn bytes_through_vertices(header: &Header) -> Option<u64> {
     }
     let mut total = 0_u64;
     for (name, element) in &header.elements {
-        total = total.saturating_add(bytes_of(element)?);
+        total = total.saturating_add(bytes_of(element, element.count)?);
         if name == "vertex" {
             break;
         }
@@ -189,7 +227,8 @@ fn bytes_through_vertices(header: &Header) -> Option<u64> {
     Some(total)
 }
 
-fn bytes_of(element: &ElementDef) -> Option<u64> {
+/// Returns the number of bytes of rows of an element without lists in a binary file.
+fn bytes_of(element: &ElementDef, rows: usize) -> Option<u64> {
     let mut row = 0_u64;
     for property in element.properties.values() {
         row += match property.data_type {
@@ -200,7 +239,7 @@ fn bytes_of(element: &ElementDef) -> Option<u64> {
             PropertyType::Scalar(ScalarType::Double) => 8,
         };
     }
-    Some(row.saturating_mul(element.count as u64))
+    Some(row.saturating_mul(rows as u64))
 }
 
 /// Returns a concise form of the parser's error, whose text has a line for the defect, lines for

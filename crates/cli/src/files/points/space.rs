@@ -182,7 +182,7 @@ impl FilePoint for [f64; 2] {
             Err(points.slot_error(place, slot, &expected, &cell(slot)))
         };
         let point = [coordinate(0)?, coordinate(1)?];
-        points.n_far += usize::from(is_far);
+        points.tally.n_far += usize::from(is_far);
         let (weight, value) = points.weight_and_value(place, cell)?;
         Ok(Row { point, weight, value })
     }

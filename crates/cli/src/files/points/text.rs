@@ -6,7 +6,7 @@ use std::io::BufRead;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{FilePoint, PointFile, ReadOptions};
+use super::{FilePoint, PointFile, Purpose, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 
@@ -14,14 +14,16 @@ use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 const MAX_SLOTS: usize = 7;
 
 /// Returns the sets of a text file.
-pub(super) fn read_text<P: FilePoint>(
+pub(super) fn read_text<'a, P: FilePoint>(
     input: impl BufRead,
-    path: &str,
-    options: &ReadOptions,
+    path: &'a str,
+    options: &'a ReadOptions,
+    purpose: Purpose<'a, P>,
 ) -> Result<PointFile<P>, FileError> {
     let mut reader = TextReader {
         path,
         options,
+        purpose: Some(purpose),
         table: None,
         header: None,
         units: None,
@@ -37,6 +39,9 @@ pub(super) fn read_text<P: FilePoint>(
         } else {
             reader.line(line)?;
         }
+        if reader.table.as_ref().is_some_and(|table| table.points.is_done()) {
+            break;
+        }
     }
     reader.finish()
 }
@@ -44,6 +49,8 @@ pub(super) fn read_text<P: FilePoint>(
 struct TextReader<'a, P> {
     path: &'a str,
     options: &'a ReadOptions,
+    /// What is done with the rows, before there is a table.
+    purpose: Option<Purpose<'a, P>>,
     table: Option<TextTable<'a, P>>,
     /// The header, before the line below it is known.
     header: Option<HeldLine>,
@@ -112,7 +119,8 @@ impl<'a, P: FilePoint> TextReader<'a, P> {
         first: TextLine<'_>,
         units: Option<TextLine<'_>>,
     ) -> Result<&mut TextTable<'a, P>, FileError> {
-        let table = table_of(first, units, self)?;
+        let purpose = self.purpose.take().unwrap_or(Purpose::Keep);
+        let table = table_of(first, units, self, purpose)?;
         Ok(self.table.insert(table))
     }
 
@@ -129,7 +137,7 @@ impl<'a, P: FilePoint> TextReader<'a, P> {
         }
         if line.text == "#" {
             table.points.next_set();
-        } else if table.points.len() > 0 {
+        } else if table.points.has_rows() {
             self.pending_comment.get_or_insert(line.number);
         }
     }
@@ -141,7 +149,8 @@ impl<'a, P: FilePoint> TextReader<'a, P> {
         let Some(mut table) = self.table else {
             return Err(FileError::Empty { path: self.path.to_owned() });
         };
-        if let Some(line) = self.comment_inside {
+        // What follows the rows that are read is warned of where these are.
+        if let Some(line) = self.comment_inside.filter(|_| !table.points.is_done()) {
             table.points.warn(&format!(
                 "line {line} is a comment between points and was skipped; \
                  only a line that is a bare # starts the next set"
@@ -156,6 +165,7 @@ fn table_of<'a, P: FilePoint>(
     line: TextLine<'_>,
     units: Option<TextLine<'_>>,
     reader: &TextReader<'a, P>,
+    purpose: Purpose<'a, P>,
 ) -> Result<TextTable<'a, P>, FileError> {
     let (path, options) = (reader.path, reader.options);
     let has_header = line.is_header();
@@ -196,7 +206,7 @@ fn table_of<'a, P: FilePoint>(
     };
     let names = columns.into_iter().map(|column| column.name).collect();
     Ok(TextTable {
-        points: PointCollector::new(path, layout, options)?,
+        points: PointCollector::new(path, layout, options, purpose)?,
         names,
         has_header,
         open_end,
@@ -205,6 +215,9 @@ fn table_of<'a, P: FilePoint>(
 
 impl<P: FilePoint> TextTable<'_, P> {
     fn row(&mut self, line: TextLine<'_>, path: &str) -> Result<(), FileError> {
+        if !self.points.begin_row()? {
+            return Ok(());
+        }
         let slots = &self.points.layout().slots;
         let mut picked = [const { Cow::Borrowed("") }; MAX_SLOTS];
         let mut count = 0;
@@ -221,7 +234,7 @@ impl<P: FilePoint> TextTable<'_, P> {
             let error = self.count_error(place, count, line.separator(), path);
             return self.points.skip(place, error);
         }
-        self.points.row(place, |slot| Cell::Text(Cow::Borrowed(&picked[slot])))
+        self.points.begun_row(place, |slot| Cell::Text(Cow::Borrowed(&picked[slot])))
     }
 
     fn count_error(&self, place: Place, count: usize, separator: &str, path: &str) -> FileError {
