@@ -59,7 +59,7 @@ impl BufRead for Input {
 }
 
 /// An input of which parts can be skipped.
-pub(super) trait SkipBytes: Read {
+pub(super) trait SkipBytes: Read + Sized {
     /// Skips this number of bytes, possibly beyond the end.
     ///
     /// # Errors
