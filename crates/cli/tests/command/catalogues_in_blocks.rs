@@ -126,6 +126,7 @@ fn sets_of_less_than_a_block_fall_into_parts_as_well() {
         "spectrum --points s.csv --square --columns u=x,v=y --normalize --kmax 2",
     ] {
         let run = place.run(&format!("{arguments} --json"));
+        let said = run.stderr.clone();
         let whole = content(&run.json());
         place.run(&format!("{arguments} --shard 2/2 --save b --quiet")).ok();
         place.run(&format!("{arguments} --shard 1/2 --save a --quiet")).ok();
@@ -133,7 +134,7 @@ fn sets_of_less_than_a_block_fall_into_parts_as_well() {
         std::fs::remove_file(place.path("s.csv")).unwrap();
         let merged = place.run("merge a b --json");
         place.write("s.csv", text);
-        for remark in run.stderr.lines() {
+        for remark in said.lines() {
             assert!(merged.stderr.contains(remark), "{arguments}: {remark} in {}", merged.stderr);
         }
         assert_eq!(content(&merged.json()), whole, "{arguments}");
