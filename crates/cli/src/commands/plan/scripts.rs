@@ -28,7 +28,8 @@ const NUMBERS: &str = r#"case $parts in
 esac
 numbers() {
     printf '%s\n' "$parts" | tr , '\n' | while IFS=- read -r first last; do
-        while [ "$first" -le "${last:-$first}" ]; do
+        last=${last:-$first}
+        while [ "$first" -le "$last" ]; do
             echo "$first"
             first=$((first + 1))
         done
