@@ -21,7 +21,7 @@ const DEFAULT_COUNT: usize = 4;
 const PARTS: usize = 3;
 
 /// Commands whose work can be divided, with the files that they write.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 12] = [
     "variance jittered,fibonacci -n 48,192 --integrand cap:degrees=60 -m 20000 -o v.csv",
     "spectrum jittered -n 972 -m 600 --lmax 90 -o s.csv --per-order orders.csv",
     "compare white-noise,jittered,healpix -n 48,192 --integrand cap:degrees=60 -m 10000 -o out",
@@ -34,7 +34,6 @@ const COMMANDS: [&str; 13] = [
     "sample jittered -n 19200 -m 9 -o points.npy",
     "progressive sobol,halton -n 64 --integrand cap:degrees=60 -m 500 -o errors.csv",
     "audit jittered -n 192 -m 600 -o a.csv",
-    "spectrum --points sets.npy --lmax 60 -o s.csv",
     "audit --points sets.npy --lmax 4 -o a.csv",
 ];
 
