@@ -31,7 +31,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)
   sphvar sample sobol:warp=cosine -n 256 --hemisphere -o cosine.npz     (points with weights 1/(N p) for a density p)
   sphvar sample r2:warp=vmf:kappa=50 -n 256 -m 8 -o lobes.npz
-  sphvar sample ccvt -n 1024 -m 100 -o sets.npy --shard 2/4 --save second.shard   (25 of the sets, for sphvar merge)";
+  sphvar sample ccvt -n 1024 -m 100 -o sets.npy --shard 2/4 --save second.shard";
 
 #[derive(Debug, Args)]
 #[command(

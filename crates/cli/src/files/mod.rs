@@ -56,4 +56,6 @@ pub use rotations::RotationFormat;
 pub(crate) use rotations::{RotationFile, write_rotations};
 pub(crate) use spectra::{SpectrumRow, read_spectrum};
 pub(crate) use target::{is_stdout, is_stream};
-pub(crate) use used_files::{inputs, record_input, record_output, record_used_files};
+pub(crate) use used_files::{
+    inputs, record_input, record_output, record_used_files, set_last_output,
+};

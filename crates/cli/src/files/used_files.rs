@@ -13,6 +13,8 @@ struct Used {
     /// With the names by which they were read.
     inputs: BTreeMap<PathBuf, String>,
     outputs: BTreeSet<PathBuf>,
+    /// The file that is written when everything else has been.
+    last: Option<PathBuf>,
 }
 
 /// Starts recording; a process that runs one command calls it once.
@@ -45,11 +47,30 @@ pub(crate) fn record_output(path: &Path) {
     });
 }
 
-/// Returns why `path`, an existing file, cannot be an output.
+/// Sets the file that is written when everything else has been, or that this is the case.
+pub(crate) fn set_last_output(path: Option<&Path>) {
+    with(|used| {
+        if let Some(used) = used {
+            used.last = path.and_then(resolved);
+        }
+    });
+}
+
+/// Returns the path of a file, which need not exist, without links in its folder.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
+    fs::canonicalize(path).ok().or_else(|| Some(folder.join(path.file_name()?)))
+}
+
+/// Returns why `path` cannot be an output.
 pub(super) fn conflict(path: &Path) -> Option<&'static str> {
-    let path = fs::canonicalize(path).ok()?;
+    let path = resolved(path)?;
     with(|used| {
         let used = used.as_ref()?;
+        if used.last.as_ref() == Some(&path) {
+            return Some("--save names it; name a file for each output");
+        }
         if used.inputs.contains_key(&path) {
             Some("it is an input of this command; name another output file")
         } else if used.outputs.contains(&path) {

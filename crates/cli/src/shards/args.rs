@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Part, Request, Tasks};
 use crate::error::CliError;
-use crate::files::{AtomicFile, is_stdout};
+use crate::files::{AtomicFile, is_stdout, set_last_output};
 use crate::global::Global;
 use crate::report::{Document, Provenance};
 
@@ -54,7 +54,9 @@ impl ShardArgs {
             return Err(CliError::Usage("--save must name a file".to_owned()));
         }
         AtomicFile::check(path)?;
-        Tasks::of_part(Request::new(words, self), self.part(), path, self.wait)
+        let tasks = Tasks::of_part(Request::new(words, self), self.part(), path, self.wait)?;
+        set_last_output(Some(path));
+        Ok(tasks)
     }
 
     /// Reports a finished part; the whole work has reported its results.

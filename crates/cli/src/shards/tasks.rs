@@ -16,7 +16,7 @@ use super::fingerprint::Fingerprint;
 use super::unfinished::Unfinished;
 use super::{Part, Request};
 use crate::error::CliError;
-use crate::files::inputs;
+use crate::files::{inputs, set_last_output};
 use crate::progress::Progress;
 use crate::session::lock;
 
@@ -286,6 +286,7 @@ impl Tasks {
             inputs: std::mem::take(&mut state.inputs),
             results: std::mem::take(&mut state.results),
         };
+        set_last_output(None);
         file.write(&run.target)?;
         state.unfinished.take().map_or(Ok(()), Unfinished::remove)?;
         Ok(true)

@@ -155,6 +155,7 @@ fn assert_examples_work(selected: impl Fn(&str) -> bool) {
 fn smaller(example: &str) -> String {
     let mut example = example.to_owned();
     for (large, small) in [
+        ("-m 20000", "-m 40"),
         ("-m 2000", "-m 40"),
         ("-m 300", "-m 9"),
         ("-m 200", "-m 4"),
@@ -176,6 +177,7 @@ fn smaller(example: &str) -> String {
     let more = match example.split(' ').next().unwrap() {
         "compare" if example == "compare" => " white-noise,jittered -n 12 -m 4 -o default",
         "compare" if !example.contains(" -n ") => " white-noise,jittered -n 12,48 -m 4 --force",
+        "compare" if example.contains(" -m ") => "",
         "compare" => " -m 4 --force",
         "choose" if example.contains("-n 48") => " white-noise,jittered",
         "render" if example.contains("--size") => "",

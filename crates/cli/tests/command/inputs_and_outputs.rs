@@ -38,9 +38,12 @@ fn inputs_are_not_overwritten() {
 #[test]
 fn outputs_have_files_of_their_own() {
     let place = Workplace::new();
-    place
-        .run("spectrum white-noise -n 5 -m 3 --save q.csv -o q.csv")
-        .fails(1, &["q.csv", "has written it already"]);
+    // Before any work, also by other names.
+    std::fs::create_dir(place.path("folder")).unwrap();
+    for name in ["q.csv", "./q.csv", "folder/../q.csv"] {
+        let run = format!("spectrum white-noise -n 5 -m 3 --save q.csv -o {name}");
+        place.run(&run).fails(1, &["q.csv", "--save names it"]);
+    }
     // In another run it is replaced.
     place.run("spectrum white-noise -n 5 -m 3 -o q.csv").ok();
     place.run("spectrum white-noise -n 5 -m 3 -o q.csv").ok();
