@@ -94,7 +94,7 @@ mod serialization {
     impl<'de, T: TailClasses> Deserialize<'de> for ClassMoments<T> {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
             let classes = deserialize_each(T::COUNT, deserializer)?;
-            Ok(ClassMoments { classes, values: PhantomData })
+            Ok(Self { classes, values: PhantomData })
         }
     }
 }

@@ -277,7 +277,7 @@ impl Plan {
         let mut audits = Vec::new();
         match source {
             Source::Files(sets) => {
-                audits.extend(run.audit(Ensemble::FromFiles, sets.sets(), None)?)
+                audits.extend(run.audit(Ensemble::FromFiles, sets.sets(), None)?);
             }
             Source::Sampler { sampler, streams, .. } => {
                 let drawn = Ensemble::AsDrawn { random: sampler.is_random() };

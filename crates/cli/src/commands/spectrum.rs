@@ -159,7 +159,7 @@ enum Source {
     },
     /// The sets of files, `None` if their results are known.
     Files {
-        facts: SetFacts,
+        facts: Box<SetFacts>,
         sets: Option<FileSets>,
     },
 }
@@ -228,7 +228,7 @@ pub(crate) fn compute(
     } else {
         match catalogue::open(args, domain, global)? {
             Opened::Catalogue(catalogue) => return catalogue.compute(args, domain, global, only),
-            Opened::Sets(facts, sets) => Source::Files { facts, sets },
+            Opened::Sets(facts, sets) => Source::Files { facts: Box::new(facts), sets },
         }
     };
     if let Source::Sampler { pattern, sampler } = &source

@@ -174,7 +174,7 @@ impl<'a> WarpedPredictors<'a> {
             } else {
                 Some(WarpedPrediction::UNKNOWN)
             };
-            let mut compute = |range| Ok(predictor.estimates(pattern, *n_points, range, progress)?);
+            let mut compute = |range| predictor.estimates(pattern, *n_points, range, progress);
             let size = (trials.count, pattern.trial_work(*n_points));
             let estimates = match trials.until {
                 Some(_) => None,

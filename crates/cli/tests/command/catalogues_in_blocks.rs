@@ -142,7 +142,7 @@ fn sets_of_less_than_a_block_fall_into_parts_as_well() {
 }
 
 #[test]
-fn what_cannot_be_divided_or_does_not_fit_says_so() {
+fn what_cannot_be_divided_or_does_not_fit_is_an_error() {
     let place = Workplace::new();
     place.run("spectrum --points - --lmax 3 --shard 1/2 --save a").fails(
         2,

@@ -441,20 +441,20 @@ impl Reader<'_> {
             Source::Held(_) | Source::Known => 0.0,
         };
         let fixed = levels * BlockSums::bytes(lmax) + held;
-        let least = fixed + block;
+        let min_bytes = fixed + block;
         let allowed = match memory_limit() {
-            Some(limit) if least > limit => {
+            Some(limit) if min_bytes > limit => {
                 return Err(CliError::Memory(format!(
                     "--memory must be at least {} for a spectrum to degree {lmax} (--lmax) of blocks of {} points, got {}",
-                    size_in_words(least),
+                    size_in_words(min_bytes),
                     self.size,
                     size_in_words(limit)
                 )));
             }
             Some(limit) => limit,
             None => {
-                check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), least)?;
-                available_memory().map_or(least, |free| 0.5 * free)
+                check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), min_bytes)?;
+                available_memory().map_or(min_bytes, |free| 0.5 * free)
             }
         };
         let threads = rayon::current_num_threads().max(1);

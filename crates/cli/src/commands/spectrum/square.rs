@@ -43,7 +43,7 @@ enum Source {
     },
     /// The sets of files, `None` if their results are known.
     Files {
-        facts: SetFacts,
+        facts: Box<SetFacts>,
         sets: Option<FileSets<Square>>,
     },
 }
@@ -57,7 +57,7 @@ impl Source {
             check_input(args)?;
             let read = || FileSets::read_square(&args.sets.files, &global.session);
             let (facts, sets) = open_sets(global, read)?;
-            return Ok(Self::Files { facts, sets });
+            return Ok(Self::Files { facts: Box::new(facts), sets });
         };
         let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
         let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, &global.session)?;
