@@ -30,7 +30,7 @@ fn npy(rows: &[[f64; 4]], is_fortran: bool) -> Vec<u8> {
     let shape = rows.len();
     let header = format!("{{'descr': '<f8', 'fortran_order': {order}, 'shape': ({shape}, 4), }}");
     let mut bytes = [&b"\x93NUMPY\x01\x00"[..], &118_u16.to_le_bytes()].concat();
-    write!(bytes, "{header:<117}\n").unwrap();
+    writeln!(bytes, "{header:<117}").unwrap();
     if is_fortran {
         (0..4).for_each(|c| rows.iter().for_each(|row| bytes.extend(row[c].to_le_bytes())));
     } else {

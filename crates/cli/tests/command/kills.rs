@@ -76,7 +76,7 @@ impl Undisturbed {
         files.extend((1..=PARTS).map(|i| (PathBuf::from(format!("{i}.shard")), None)));
         let merge = time(&merge());
         assert_same(&tree(&place.path("")), &files, command);
-        Self { files, part: parts / PARTS as u32, merge }
+        Self { files, part: parts.div_f64(PARTS as f64), merge }
     }
 }
 
@@ -126,7 +126,7 @@ fn killed_work_is_continued_to_the_bytes_of_one_run() {
         let command = COMMANDS[round % COMMANDS.len()];
         let expected = undisturbed.entry(command).or_insert_with(|| Undisturbed::new(command));
         let place = prepared();
-        let first = numbers.below(PARTS as u64) as usize;
+        let first = usize::try_from(numbers.below(PARTS as u64)).unwrap();
         for i in 0..PARTS {
             let arguments = part(command, 1 + (first + i) % PARTS);
             killed += run_killed(&place, &arguments, expected.part, &mut numbers);
