@@ -59,7 +59,9 @@ nothing_runs() {
 # Ends what is left of the engine and removes the folder, in any case.
 clean() {
     local status=$?
-    trap - EXIT INT TERM HUP
+    # A second signal must not leave processes or files.
+    trap - EXIT
+    trap '' INT TERM HUP
     cd /
     if [ "$status" != 0 ] && [ -d "$place/logs" ]; then
         tail -n 20 "$place"/logs/* || true

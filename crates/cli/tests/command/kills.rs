@@ -29,7 +29,7 @@ const COMMANDS: [&str; 13] = [
     "render cornell --study --samplers jittered,fibonacci -n 6,24 -m 30 --size 40x37 --reference-count 256 --cache none \
      -o study.csv",
     "spectrum poisson-disk -n 400 -m 300 --lmax 40 -o s.png",
-    "reproduce C.1 --quick -o figures",
+    "reproduce C.1 4.10 --quick -o figures",
     "variance sobol,r2 -n 64 --integrand cap:degrees=60 -m 40000 -o v.csv",
     "sample jittered -n 19200 -m 9 -o points.npy",
     "progressive sobol,halton -n 64 --integrand cap:degrees=60 -m 500 -o errors.csv",
