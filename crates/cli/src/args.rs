@@ -54,7 +54,7 @@ pub(crate) enum Command {
     /// Compute the angular power spectrum of a pattern, or of points in files
     #[command(after_help = spectrum::EXAMPLES)]
     Spectrum(spectrum::SpectrumArgs),
-    /// Merge spectrum shards; the result is bit-identical to a single run
+    /// Write the results of a command from its parts, bit-identical to those of a single run
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
     /// Divide a command into parts: job files for Slurm, HyperQueue, Dask or a shell, and their state

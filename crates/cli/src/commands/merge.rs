@@ -29,7 +29,7 @@ pub(crate) struct MergeArgs {
     /// The files of --save of all parts, or the folder of a plan
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Where the command writes its results, in any form that it has [default: as it was said for the parts]
+    /// Where the command writes its results, in any form that it has [default: that of the parts]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Report the results of the given parts even if others are missing
@@ -44,6 +44,11 @@ pub(crate) struct MergeArgs {
 }
 
 pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
+    let is_seed = |word: &String| word == "--seed" || word.starts_with("--seed=");
+    let is_letter = |word: &String| word.starts_with("-s") && !word.starts_with("--");
+    if global.session.words().iter().any(|word| is_seed(word) || is_letter(word)) {
+        return Err(CliError::Usage("--seed: the parts have the seed of their command".to_owned()));
+    }
     if let Some(path) = &args.save {
         if is_stdout(path) {
             return Err(CliError::Usage("--save must name a file".to_owned()));
@@ -77,7 +82,10 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     global.session.say(&if missing.is_empty() {
         format!("{command}: all {of} parts")
     } else {
-        format!("{command}: {} of {of} parts", have.len())
+        format!(
+            "{command}: {} of {of} parts; results that need the others are incomplete or left out",
+            have.len()
+        )
     });
     if let Some(path) = &args.save {
         merged.write(path)?;
@@ -86,9 +94,14 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     let Cli { command, global: mut replayed } = Cli::of_words(&words, true)
         .map_err(|error| CliError::Usage(format!("{command}: {error}")))?;
     let tasks = Tasks::of_results(merged, args.partial);
-    replayed.session = global.session.with_tasks(&words, tasks);
+    // What is incomplete must not be taken for the result of the command.
+    let shown = if missing.is_empty() { &words[..] } else { global.session.words() };
+    replayed.session = global.session.with_tasks(shown, tasks);
     crate::execute(command, &replayed)
 }
+
+/// The options that change what is written but not what is computed, beside those of every command.
+const OUTPUTS: [&str; 5] = ["-o", "--out", "--force", "--per-order", "--coefficient"];
 
 /// The maximum number of bytes of results that are held; others are read when they are added.
 const MAX_HELD: u64 = 1 << 28;
@@ -137,6 +150,15 @@ fn words(args: &MergeArgs, request: &[String], global: &Global) -> Result<Vec<St
         words.extend(["-o".to_owned(), utf8(&path.clone().into_os_string())?]);
     }
     let outputs = args.outputs.iter().map(utf8).collect::<Result<Vec<_>, _>>()?;
+    for word in outputs.iter().filter(|word| word.starts_with('-')) {
+        let flag = word.split('=').next().unwrap_or_default();
+        if !OUTPUTS.contains(&flag) {
+            return Err(CliError::Usage(format!(
+                "{flag} is no option of output, and the parts have computed their command as it is; those of output are {}",
+                OUTPUTS.join(", ")
+            )));
+        }
+    }
     for word in &outputs {
         words = without(words, word.split('=').next().unwrap_or_default());
     }

@@ -141,7 +141,7 @@ pub(crate) enum FileError {
         got: u64,
     },
     /// The content of a file does not fit in memory.
-    #[error("{path}: {what} requires {needed} of memory, but {available} are available")]
+    #[error("{path}: the memory for {what} is {needed}, but {available} are available")]
     Memory {
         /// The path as the user wrote it.
         path: String,

@@ -78,7 +78,7 @@ fn unsupported(flag: &str, command: &Command, words: &[String]) -> Option<String
         "--square" => Some(format!("the unit square is supported by {}", having())),
         "--shard" if subcommand(command, words).get_name() == "choose" => Some(format!(
             "choose stops by itself, when the results so far decide the ranking, so its work cannot be divided; \
-             {} have {flag}",
+             compare ranks by trials, and {} have {flag}",
             having()
         )),
         "--shard" => Some(format!("work can be divided by {}", having())),

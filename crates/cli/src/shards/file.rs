@@ -182,6 +182,15 @@ impl ShardFile {
         Some((read, valid))
     }
 
+    /// Returns whether a file without readable results may be replaced: it does not exist, is empty, no
+    /// regular file, or was written by this program and is damaged or of an earlier version.
+    pub(super) fn may_replace(path: &Path) -> bool {
+        let Ok(metadata) = std::fs::metadata(path) else { return true };
+        let mut start = [0; NAME.len()];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        !metadata.is_file() || metadata.len() == 0 || (read.is_ok() && start == *NAME)
+    }
+
     /// Returns whether it has no results.
     pub(crate) fn is_empty(&self) -> bool {
         self.results.is_empty()

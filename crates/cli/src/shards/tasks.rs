@@ -104,10 +104,16 @@ impl Tasks {
         waits: bool,
     ) -> Result<Self, CliError> {
         let (unfinished, mut known) = Unfinished::open(target, &request, waits)?;
-        if let Ok(done) = ShardFile::read(target)
-            && done.request == request
-        {
-            known = done;
+        match ShardFile::read(target) {
+            Ok(done) if done.request == request => known = done,
+            Ok(other) => return Err(has_others(target, &other.request)),
+            Err(_) if ShardFile::may_replace(target) => {}
+            Err(_) => {
+                return Err(CliError::File(format!(
+                    "{} exists and is not a file of --save; remove it, or name another file",
+                    target.display()
+                )));
+            }
         }
         let state = State {
             request,
@@ -291,6 +297,20 @@ impl Tasks {
         state.unfinished.take().map_or(Ok(()), Unfinished::remove)?;
         Ok(true)
     }
+}
+
+/// Returns the error for a file that has other results.
+fn has_others(target: &Path, request: &Request) -> CliError {
+    let parts: Vec<String> = request.parts.iter().map(u64::to_string).collect();
+    CliError::File(format!(
+        "{} has part {} of {} of {} ({} on {}); remove it, or name another file",
+        target.display(),
+        parts.join(", "),
+        request.of,
+        request.command(),
+        request.version,
+        request.instruction_set
+    ))
 }
 
 /// Returns the number of units of a piece, given how many take the time of one.

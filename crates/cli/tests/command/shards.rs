@@ -69,6 +69,12 @@ fn outputs_of_parts_are_those_of_the_merge() {
         .run("merge s.shard -- --per-order o.csv")
         .fails(1, &["do not have the result of jittered, every order"]);
     place.run("merge s.shard -- --nonsense").fails(2, &["--nonsense"]);
+    for words in ["-n 300", "--lmax=4", "--exact", "--pairs", "-s 4"] {
+        place.run(&format!("merge s.shard -- {words}")).fails(2, &["is no option of output"]);
+    }
+    for words in ["-s 4", "--seed=4", "-s4"] {
+        place.run(&format!("merge s.shard {words}")).fails(2, &["--seed", "of their command"]);
+    }
 }
 
 #[test]
@@ -84,6 +90,9 @@ fn missing_parts_are_listed() {
     place.run("merge 2.shard 4.shard -o m.csv --partial").ok();
     let row = place.text("m.csv").lines().nth(3).unwrap().to_owned();
     assert!(row.ends_with(",11"), "{row}");
+    // A result of some parts is not one of the command.
+    let first = place.text("m.csv").lines().next().unwrap().to_owned();
+    assert!(first.contains("merge 2.shard 4.shard -o m.csv --partial"), "{first}");
     // Many gaps are counted, whatever the number of parts.
     let run = "spectrum white-noise -n 5 -m 90 --lmax 2";
     place.run(&format!("{run} --shard 7/90 --save 7.shard --quiet")).ok();
@@ -158,10 +167,16 @@ fn files_that_are_no_parts_of_one_run_are_rejected() {
     ] {
         place.run(&format!("{other} --save b --quiet")).ok();
         place.run("merge a b -o c.csv").fails(1, &["a", "b", what]);
+        // Results are replaced by those of the same part only.
+        let again = format!("{RUN} --shard 2/2 --save b");
+        place.run(&again).fails(1, &["b has part", "remove it"]);
+        std::fs::remove_file(place.path("b")).unwrap();
     }
     assert!(!place.names().contains(&"c.csv".to_owned()));
     let whole = place.bytes("a");
     place.write("text", "l,power\n1,1\n");
+    place.run(&format!("{RUN} --save text")).fails(1, &["text exists", "not a file of --save"]);
+    place.run(&format!("{RUN} --shard 2/2 --save a")).fails(1, &["a has part 1 of 2", "remove it"]);
     place.write("cut", &whole[..whole.len() - 1]);
     place.write("head", &whole[..17]);
     place.write("line", &whole[..15]);

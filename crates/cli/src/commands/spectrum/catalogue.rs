@@ -174,7 +174,14 @@ pub(super) fn open(
             return Ok(Opened::Catalogue(catalogue));
         }
     }
-    let read = || FileSets::read(files, domain, session);
+    let read = || {
+        FileSets::read(files, domain, session).map_err(|error| match error {
+            CliError::Memory(text) if lmax.is_none() && keeps => {
+                CliError::Memory(format!("{text}; with --lmax a single set is read in blocks"))
+            }
+            other => other,
+        })
+    };
     if lmax.is_none() {
         let (facts, sets) = if keeps {
             open_sets(global, read)?
