@@ -128,7 +128,9 @@ fn run_integrals(
     let plan = args.effort.plan(integrals, global, true)?;
     rows::check(&plan, &cases)?;
     let output = Output::open(args, global)?;
-    let Some((rows, energy)) = rows::run(&plan, &cases)? else { return Ok(()) };
+    let Some((rows, energy)) = rows::run(&plan, &cases)? else {
+        return global.session.tasks().without_results();
+    };
     let subject = Subject { text: plan.subject(), integrand: &plan.integrand.name };
     output.write(&rows, &energy, &subject)
 }

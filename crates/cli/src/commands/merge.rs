@@ -97,7 +97,12 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     // What is incomplete must not be taken for the result of the command.
     let shown = if missing.is_empty() { &words[..] } else { global.session.words() };
     replayed.session = global.session.with_tasks(shown, tasks);
-    crate::execute(command, &replayed)
+    crate::execute(command, &replayed).map_err(|error| match error {
+        CliError::File(text) if text.starts_with("cannot open ") => CliError::File(format!(
+            "{text}; files of the command are named from the folder in which its parts were computed"
+        )),
+        other => other,
+    })
 }
 
 /// The options that change what is written but not what is computed, beside those of every command.

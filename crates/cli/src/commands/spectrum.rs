@@ -198,7 +198,9 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         return square::run(args, global);
     }
     check_outputs(args, global)?;
-    let Some(computed) = compute(args, global, None)? else { return Ok(()) };
+    let Some(computed) = compute(args, global, None)? else {
+        return global.session.tasks().without_results();
+    };
     let provenance = Provenance::new(&global.session, global.seed);
     if let (Some(path), Some(orders)) = (&args.per_order, computed.orders) {
         let domain = computed.spectrum.domain();

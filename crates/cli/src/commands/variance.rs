@@ -192,7 +192,9 @@ fn run_integrals(
     let halves = halves
         .map(|(axis, uniform)| visible_half::run(&plan, axis, &uniform, rows.as_deref()))
         .transpose()?;
-    let Some(rows) = rows else { return Ok(()) };
+    let Some(rows) = rows else {
+        return global.session.tasks().without_results();
+    };
     write(args, global, &rows, &plan.subject(), halves)
 }
 
@@ -210,7 +212,9 @@ fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
     let integrand = parse_square_integrand(args.integrand.required()?, &global.session)?;
     let patterns = parse_patterns(&args.samplers.required()?, &global.session)?;
     let cases = Case::all(&patterns, args.counts.list(), Square, args.nearest.nearest)?;
-    let Some((rows, _)) = square_rows::run(&integrand, &effort, &cases)? else { return Ok(()) };
+    let Some((rows, _)) = square_rows::run(&integrand, &effort, &cases)? else {
+        return global.session.tasks().without_results();
+    };
     write(args, global, &rows, &integrand.subject(), None)
 }
 
@@ -240,7 +244,9 @@ fn run_fixed(
     plan: &Plan<'_>,
     cases: &[&Case],
 ) -> Result<(), CliError> {
-    let Some((body, chart)) = fixed_orientation::run(plan, cases)? else { return Ok(()) };
+    let Some((body, chart)) = fixed_orientation::run(plan, cases)? else {
+        return global.session.tasks().without_results();
+    };
     let provenance = Provenance::new(&global.session, global.seed);
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),

@@ -238,7 +238,11 @@ impl ShardFile {
     fn add(&mut self, record: Record) {
         match record {
             Record::Input(name, fingerprint) => {
-                self.inputs.insert(name, fingerprint);
+                let known = self.inputs.insert(name, fingerprint);
+                // Results before it are of another content of the file.
+                if known.is_some_and(|known| known != fingerprint) {
+                    self.results.clear();
+                }
             }
             Record::Piece(name, piece) => self.results.entry(name).or_default().push(piece),
             Record::Request(_) | Record::End(_) => {}

@@ -105,7 +105,12 @@ impl Tasks {
     ) -> Result<Self, CliError> {
         let (unfinished, mut known) = Unfinished::open(target, &request, waits)?;
         match ShardFile::read(target) {
-            Ok(done) if done.request == request => known = done,
+            // Unfinished work is later than the file, whose inputs have changed since.
+            Ok(done) if done.request == request => {
+                if known.results.is_empty() {
+                    known = done;
+                }
+            }
             Ok(other) => return Err(has_others(target, &other.request)),
             Err(_) if ShardFile::may_replace(target) => {}
             Err(_) => {
@@ -163,6 +168,19 @@ impl Tasks {
     /// Returns whether the results are known, so that nothing is computed.
     pub(crate) fn is_merge(&self) -> bool {
         matches!(self.0, Kind::Merged(_))
+    }
+
+    /// Ends a run without results: that of a part is complete, that of a merge has too few parts.
+    ///
+    /// # Errors
+    ///
+    /// For a merge.
+    pub(crate) fn without_results(&self) -> Result<(), CliError> {
+        if !self.is_merge() {
+            return Ok(());
+        }
+        let text = "the given parts do not have all that a result needs; add other parts";
+        Err(CliError::File(text.to_owned()))
     }
 
     /// Returns the share of the work that this run does, for progress.
@@ -477,7 +495,9 @@ impl MergedRun {
 }
 
 fn missing(name: &str) -> CliError {
-    CliError::File(format!("the files do not have the result of {name}"))
+    CliError::File(format!(
+        "the files do not have the result of {name}: their command does not compute it"
+    ))
 }
 
 impl fmt::Debug for Tasks {

@@ -1,7 +1,7 @@
 //! The results of unfinished work, each of which is on the disk as soon as it is known.
 
 use std::fs::{File, TryLockError};
-use std::io::{self, Seek, SeekFrom};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::Request;
@@ -35,41 +35,63 @@ impl Unfinished {
         waits: bool,
     ) -> Result<(Self, ShardFile), CliError> {
         let mut unfinished = Self { path: unfinished_path(target), waits, file: None };
-        let nothing = ShardFile::new(request.clone());
         if !unfinished.path.exists() {
-            return Ok((unfinished, nothing));
+            return Ok((unfinished, ShardFile::new(request.clone())));
         }
-        let mut file = unfinished.locked()?;
-        let shown = unfinished.path.display();
-        let known = ShardFile::read_unfinished(&file);
-        let read = match known {
-            Some((read, valid)) if read.request == *request => {
-                let cut = file.set_len(valid).and_then(|()| file.seek(SeekFrom::Start(valid)));
-                cut.map_err(|source| unfinished.error(source))?;
-                read
-            }
-            Some((read, _)) if !read.results.is_empty() => {
-                return Err(CliError::File(format!(
-                    "{shown} has unfinished work of another run ({} {} on {}); remove it, or name another file",
-                    read.request.command(),
-                    read.request.version,
-                    read.request.instruction_set
-                )));
-            }
-            // A process was killed while it wrote the first bytes, or the file is not ours.
-            _ => {
-                let emptied = file.set_len(0).and_then(|()| file.rewind());
-                let started = emptied.and_then(|()| write_start(&mut file, request));
-                started.map_err(|source| unfinished.error(source))?;
-                nothing
-            }
-        };
+        let (file, read) = unfinished.continued(request)?;
         unfinished.file = Some(file);
         Ok((unfinished, read))
     }
 
+    /// Opens and locks the file at the end of its valid records of a question, which are returned.
+    fn continued(&self, request: &Request) -> Result<(File, ShardFile), CliError> {
+        let mut file = self.locked()?;
+        let shown = self.path.display();
+        match ShardFile::read_unfinished(&file) {
+            Some((read, valid)) if read.request == *request => {
+                let cut = file.set_len(valid).and_then(|()| file.seek(SeekFrom::Start(valid)));
+                cut.map_err(|source| self.error(source))?;
+                Ok((file, read))
+            }
+            Some((read, _)) if !read.results.is_empty() => Err(CliError::File(format!(
+                "{shown} has unfinished work of another run ({} {} on {}); remove it, or name another file",
+                read.request.command(),
+                read.request.version,
+                read.request.instruction_set
+            ))),
+            None if !self.is_beginning(&mut file, request)? => Err(CliError::File(format!(
+                "{shown} exists and is not unfinished work of this version; remove it, or name another file"
+            ))),
+            // Nothing was kept, or a process was killed while it wrote the first bytes.
+            _ => {
+                let emptied = file.set_len(0).and_then(|()| file.rewind());
+                let started = emptied.and_then(|()| write_start(&mut file, request));
+                started.map_err(|source| self.error(source))?;
+                Ok((file, ShardFile::new(request.clone())))
+            }
+        }
+    }
+
+    /// Returns whether a file is empty or cut within the first bytes of unfinished work.
+    fn is_beginning(&self, file: &mut File, request: &Request) -> Result<bool, CliError> {
+        let mut start = Vec::new();
+        let mut content = Vec::new();
+        let read = write_start(&mut start, request).and_then(|()| file.rewind()).and_then(|()| {
+            let limit = start.len() as u64 + 1;
+            Read::by_ref(file).take(limit).read_to_end(&mut content)
+        });
+        read.map_err(|source| self.error(source))?;
+        Ok(start.starts_with(&content))
+    }
+
     /// Opens and locks the file, which is created if it is missing.
     fn locked(&self) -> Result<File, CliError> {
+        if self.path.exists() && !self.path.is_file() {
+            return Err(CliError::File(format!(
+                "{} exists and is not a regular file; name another file for --save",
+                self.path.display()
+            )));
+        }
         loop {
             let mut options = File::options();
             options.read(true).write(true).create(true).truncate(false);
@@ -97,9 +119,8 @@ impl Unfinished {
     /// If it cannot be written, or another process has the file open.
     pub(super) fn append(&mut self, request: &Request, record: &Record) -> Result<(), CliError> {
         if self.file.is_none() {
-            let mut file = self.locked()?;
-            write_start(&mut file, request).map_err(|source| self.error(source))?;
-            self.file = Some(file);
+            // Another process may have kept results since this one has begun.
+            self.file = Some(self.continued(request)?.0);
         }
         let Some(file) = &mut self.file else { return Ok(()) };
         Ok(write_record(file, record)

@@ -63,13 +63,16 @@ fn outputs_of_parts_are_those_of_the_merge() {
     let others = "merge 1.shard 2.shard -o b.csv -- --per-order others.csv --coefficient 2 1 d.csv";
     place.run(others).ok();
     assert_eq!(["b.csv", "others.csv", "d.csv"].map(|name| rows(&place, name)), whole);
-    // What was not computed is missing.
+    // What was not computed is missing, also from a partial merge.
     place.run(&format!("{RUN} --save s.shard --quiet")).ok();
     place
         .run("merge s.shard -- --per-order o.csv")
         .fails(1, &["do not have the result of jittered, every order"]);
+    place.run(&format!("{RUN} --shard 1/2 --save p.shard --quiet")).ok();
+    let run = "merge p.shard --partial --json -- --per-order o.csv";
+    place.run(run).fails(1, &["do not have all that a result needs"]);
     place.run("merge s.shard -- --nonsense").fails(2, &["--nonsense"]);
-    for words in ["-n 300", "--lmax=4", "--exact", "--pairs", "-s 4"] {
+    for words in ["-n 300", "--lmax=4", "--exact", "--pairs", "--hemisphere"] {
         place.run(&format!("merge s.shard -- {words}")).fails(2, &["is no option of output"]);
     }
     for words in ["-s 4", "--seed=4", "-s4"] {
@@ -228,13 +231,24 @@ fn work_that_is_known_is_not_done_again() {
     // A record that was cut, or damaged, is computed again.
     let mut damaged = bytes[..end].to_vec();
     *damaged.last_mut().unwrap() ^= 1;
-    for left in [&bytes[..end - 5], &bytes[..20], &damaged, b"", b"anything"] {
+    for left in [&bytes[..end - 5], &bytes[..20], &damaged, b""] {
         place.write("a.shard.unfinished", left);
         std::fs::remove_file(place.path("a.shard")).unwrap();
         place.run(&run).ok();
         assert!(place.bytes("a.shard") == bytes, "{}", left.len());
         assert_eq!(place.names(), ["a.shard"]);
     }
+    // A file of another program, or what is not a file, is kept.
+    for (left, what) in [("anything", "not unfinished work"), ("sphvar shard 4\n", "this version")]
+    {
+        place.write("c.shard.unfinished", left);
+        place.run(&run.replace("a.shard", "c.shard")).fails(1, &["c.shard.unfinished", what]);
+        assert_eq!(place.text("c.shard.unfinished"), left);
+    }
+    std::fs::remove_file(place.path("c.shard.unfinished")).unwrap();
+    std::fs::create_dir(place.path("c.shard.unfinished")).unwrap();
+    place.run(&run.replace("a.shard", "c.shard")).fails(1, &["not a regular file"]);
+    std::fs::remove_dir(place.path("c.shard.unfinished")).unwrap();
     // The work for another question is not discarded.
     place.write("a.shard.unfinished", &bytes[..end]);
     let other = run.replace("-m 23", "-m 24");
@@ -265,4 +279,56 @@ fn inputs_must_be_the_same_for_all_parts() {
     let now = numbers(&place, "merge 1.shard 2.shard --json");
     assert_eq!(now, numbers(&place, &format!("{run} --json")));
     assert_ne!(now, whole);
+}
+
+/// Returns the records of a file of parts, after its first line.
+fn records(bytes: &[u8]) -> Vec<&[u8]> {
+    let mut rest = &bytes[15..];
+    let mut records = Vec::new();
+    while !rest.is_empty() {
+        let length = u64::from_le_bytes(rest[..8].try_into().unwrap());
+        let (record, others) = rest.split_at(12 + usize::try_from(length).unwrap());
+        records.push(record);
+        rest = others;
+    }
+    records
+}
+
+/// Results of earlier contents of a file are not used, however often the work was interrupted since.
+#[test]
+fn unfinished_work_of_changed_inputs_is_done_again() {
+    let place = Workplace::new();
+    let run = "spectrum file:p.txt -m 6 --lmax 3 --shard 1/2 --save a.shard";
+    let of = |points: &str| {
+        place.write("p.txt", points);
+        place.run(run).ok();
+        let bytes = place.bytes("a.shard");
+        std::fs::remove_file(place.path("a.shard")).unwrap();
+        bytes
+    };
+    let (old, new) = (of("0 0 1\n1 0 0\n"), of("0 0 1\n0.6 0 0.8\n"));
+    assert_ne!(old, new);
+    let (old_records, new_records) = (records(&old), records(&new));
+    let [request, input, piece, _] = old_records[..] else {
+        panic!("{} records", old_records.len())
+    };
+    // Killed with the old content, and again with the new one before and after its first result.
+    let head = [&old[..15], request, input, piece].concat();
+    let again = [&head[..], new_records[1]].concat();
+    let later = [&again[..], new_records[2]].concat();
+    for left in [head, again, later] {
+        place.write("a.shard.unfinished", left);
+        place.run(run).ok();
+        assert!(place.bytes("a.shard") == new, "results of another content were used");
+        assert_eq!(place.names(), ["a.shard", "p.txt"]);
+        std::fs::remove_file(place.path("a.shard")).unwrap();
+    }
+    // The file has the results of the old content, the unfinished work those of the new one.
+    place.write("a.shard", &old);
+    place.write(
+        "a.shard.unfinished",
+        [&new[..15], request, new_records[1], new_records[2]].concat(),
+    );
+    place.run(run).ok();
+    assert!(place.bytes("a.shard") == new);
 }

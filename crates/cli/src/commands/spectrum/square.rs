@@ -87,7 +87,9 @@ pub(crate) struct SquareComputed {
 
 pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     check_outputs(args, global)?;
-    let Some(computed) = compute(args, global, None)? else { return Ok(()) };
+    let Some(computed) = compute(args, global, None)? else {
+        return global.session.tasks().without_results();
+    };
     let SquareComputed { name, result, remarks, seconds, .. } = computed;
     let provenance = Provenance::new(&global.session, global.seed);
     let out = args.out.out.as_deref();
