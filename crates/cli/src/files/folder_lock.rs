@@ -6,7 +6,9 @@ use std::path::Path;
 
 use super::atomic::sweep_temporaries;
 use super::file_error::FileError;
-use super::live_files::{LiveFile, create_folders, is_at, remove_empty_folders};
+use super::live_files::{
+    LiveFile, adopt_empty_folder, create_folders, is_at, remove_empty_folders,
+};
 
 /// The locked file. It exists while the run lasts and names the holder of the lock.
 const NAME: &str = ".sphvar.lock";
@@ -88,14 +90,16 @@ impl FolderLock {
             .map_err(|source| FileError::WriteInto { path: self.path.clone(), source })
     }
 
-    /// Creates a folder inside the locked one.
+    /// Creates a folder inside the locked one; it is removed at the end if it is empty.
     ///
     /// # Errors
     ///
     /// If it cannot be created.
     #[expect(clippy::unused_self, reason = "only the holder of the lock creates folders")]
     pub(crate) fn create_folder(&self, folder: &Path) -> Result<(), FileError> {
-        create(folder)
+        create(folder)?;
+        adopt_empty_folder(folder);
+        Ok(())
     }
 }
 

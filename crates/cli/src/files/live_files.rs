@@ -64,6 +64,15 @@ pub(super) fn create_folders(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Counts an empty folder among those of [`create_folders`]: a process that was killed has left it.
+pub(super) fn adopt_empty_folder(folder: &Path) {
+    let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    let mut live = lock(&LIVE);
+    if is_empty && !live.folders.iter().any(|other| other == folder) {
+        live.folders.push(folder.to_path_buf());
+    }
+}
+
 /// Removes the folders of [`create_folders`] that are empty.
 pub(super) fn remove_empty_folders() {
     for folder in lock(&LIVE).folders.drain(..).rev() {
