@@ -22,6 +22,6 @@ pub(crate) use args::PartBody;
 pub(crate) use args::ShardArgs;
 pub(crate) use file::ShardFile;
 pub(crate) use part::Part;
-pub(crate) use request::Request;
+pub(crate) use request::{Request, without_threads};
 pub(crate) use tasks::{Divided, Tasks};
 pub(crate) use unfinished::UnfinishedWork;

@@ -37,7 +37,7 @@ impl Request {
 
     /// Returns the words of a command that its results depend on.
     pub(crate) fn words_of(words: &[String]) -> Vec<String> {
-        without_own(words)
+        without(&OWN, words)
     }
 
     /// Returns the command in one line.
@@ -72,6 +72,9 @@ impl Request {
     }
 }
 
+/// The flags of the number of threads, and whether a value follows.
+const THREADS: [(&str, bool); 2] = [("--threads", true), ("-j", true)];
+
 /// The flags that do not change results, and whether a value follows.
 const OWN: [(&str, bool); 9] = [
     ("--shard", true),
@@ -85,12 +88,17 @@ const OWN: [(&str, bool); 9] = [
     ("--quiet", false),
 ];
 
-/// Returns the words of a command that its results depend on.
-fn without_own(words: &[String]) -> Vec<String> {
+/// Returns the words of a command without the number of threads.
+pub(crate) fn without_threads(words: &[String]) -> Vec<String> {
+    without(&THREADS, words)
+}
+
+/// Returns the words without some flags and their values.
+fn without(flags: &[(&str, bool)], words: &[String]) -> Vec<String> {
     let mut kept = Vec::new();
     let mut words = words.iter();
     while let Some(word) = words.next() {
-        let own = OWN.iter().find(|(flag, has_value)| {
+        let own = flags.iter().find(|(flag, has_value)| {
             let is_joined = *has_value
                 && word.strip_prefix(flag).is_some_and(|rest| {
                     rest.starts_with('=') || (!flag.starts_with("--") && !rest.is_empty())
@@ -110,7 +118,7 @@ fn without_own(words: &[String]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::without_own;
+    use super::{OWN, without};
 
     #[test]
     fn words_that_change_no_result_are_left_out() {
@@ -121,9 +129,9 @@ mod tests {
             "-j3 spectrum jittered --threads 2 -n 4 --log x",
             "spectrum jittered -n 4 --threads=2 --log=x",
         ] {
-            assert_eq!(without_own(&words(text)), words("spectrum jittered -n 4"), "{text}");
+            assert_eq!(without(&OWN, &words(text)), words("spectrum jittered -n 4"), "{text}");
         }
         let all = words("variance jittered -n 4 --integrand x --epsilon=1 -s 3 --jitter");
-        assert_eq!(without_own(&all), all);
+        assert_eq!(without(&OWN, &all), all);
     }
 }

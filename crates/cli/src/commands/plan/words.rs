@@ -5,13 +5,16 @@ use clap::{Command, CommandFactory};
 use crate::args::Cli;
 use crate::error::CliError;
 use crate::report::quoted;
+use crate::shards::without_threads;
 
 /// A command whose work can be divided.
 pub(super) struct PlannedWords {
     words: Vec<String>,
+    /// The words of a part: those of the command without the number of threads.
+    of_part: Vec<String>,
     /// The place of the name of the subcommand, after which the options of a part stand.
     name: usize,
-    /// The number of threads, if the command states it.
+    /// The number of threads, if the command states it; 0 for one per core.
     pub(super) threads: Option<usize>,
     pub(super) is_json: bool,
     pub(super) is_quiet: bool,
@@ -43,10 +46,13 @@ impl PlannedWords {
         // The values of common options are numbers, so a word that is the name is the name.
         let names: Vec<String> =
             Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-        let name = words.iter().position(|word| names.contains(word)).unwrap_or(0);
+        let of_part = without_threads(&words);
+        let name = of_part.iter().position(|word| names.contains(word)).unwrap_or(0);
+        let has_threads = of_part.len() < words.len();
         Ok(Self {
             name,
-            threads: Some(cli.global.threads).filter(|&threads| threads > 0),
+            of_part,
+            threads: has_threads.then_some(cli.global.threads),
             is_json: cli.global.json,
             is_quiet: cli.global.quiet,
             words,
@@ -61,17 +67,11 @@ impl PlannedWords {
     /// Returns the words for a shell, with the options of a part, which are text for the shell, and
     /// the number of threads.
     pub(super) fn with_own(&self, own: &str, threads: usize) -> Vec<String> {
-        let (before, after) = self.words.split_at(self.name + 1);
+        let (before, after) = self.of_part.split_at(self.name + 1);
         let quoted_words =
             |words: &[String]| words.iter().map(|word| quoted(word)).collect::<Vec<_>>();
-        let threads = self.threads.is_none().then(|| format!("--threads {threads}"));
-        [
-            quoted_words(before),
-            vec![own.to_owned()],
-            threads.into_iter().collect(),
-            quoted_words(after),
-        ]
-        .concat()
+        let own = vec![own.to_owned(), format!("--threads {threads}")];
+        [quoted_words(before), own, quoted_words(after)].concat()
     }
 
     /// Returns the command of one of `parts` parts that keeps its results in a file.
@@ -80,7 +80,7 @@ impl PlannedWords {
     ///
     /// If the options of a part conflict with those of the command.
     pub(super) fn of_part(&self, parts: u64, save: &str) -> Result<(Vec<String>, Cli), CliError> {
-        let mut words = self.words.clone();
+        let mut words = self.of_part.clone();
         let own =
             ["--shard".to_owned(), format!("1/{parts}"), "--save".to_owned(), save.to_owned()];
         words.splice(self.name + 1..self.name + 1, own);
