@@ -18,14 +18,31 @@ const JOB: &str = "job.toml";
 const SLURM_PARTS: &str = "array.sbatch";
 const SLURM_MERGE: &str = "merge.sbatch";
 
-/// Checks that the first argument is a list of parts such as `3,7-9`, all by default, and defines
-/// `numbers`, which prints them one a line.
-const NUMBERS: &str = r#"case $parts in
-'' | *[!0-9,-]*)
-    echo "usage: sh $dir/submit [PARTS], such as 3,7-9" >&2
+/// Checks that `parts` is a list of parts such as `3,7-9`, none of them greater than `count`, and
+/// defines `numbers`, which prints them one a line.
+const NUMBERS: &str = r#"usage() {
+    echo "$1; usage: sh $dir/submit [PARTS], from 1 to $count such as 1 or 1-$count" >&2
     exit 2
+}
+case $parts in
+'' | *[!0-9,-]* | *- | *-,* | *, | *,,*)
+    usage "expected a list of parts, got \"$parts\""
     ;;
 esac
+are_parts() {
+    printf '%s\n' "$parts" | tr , '\n' | while IFS=- read -r first last; do
+        last=${last:-$first}
+        case $first:$last in
+        *[!0-9:]* | :* | 0* | *:0*) exit 1 ;;
+        esac
+        if ! { [ "$first" -le "$last" ] && [ "$last" -le "$count" ]; } 2>/dev/null; then
+            exit 1
+        fi
+    done
+}
+if ! are_parts; then
+    usage "expected parts from 1 to $count, got \"$parts\""
+fi
 numbers() {
     printf '%s\n' "$parts" | tr , '\n' | while IFS=- read -r first last; do
         last=${last:-$first}
@@ -90,13 +107,19 @@ fn part(manifest: &Manifest, words: &PlannedWords, folder: &str) -> String {
 # Computes one part: sh part NUMBER. What it prints is added to {LOGS}/NUMBER.out. A part that is done takes no
 # time, and interrupted work is continued. SPHVAR names another program than the one that made this plan.
 {}set -eu
+count={}
 part=${{1:-}}
-case $part in
-'' | *[!0-9]*)
-    echo \"usage: sh $0 NUMBER, from 1 to {}\" >&2
+usage() {{
+    echo \"$1; usage: sh $0 NUMBER, from 1 to $count\" >&2
     exit 2
-    ;;
+}}
+case $part in
+'') usage \"missing the number of the part\" ;;
+0* | *[!0-9]*) usage \"expected the number of a part, got \\\"$part\\\"\" ;;
 esac
+if ! [ \"$part\" -le \"$count\" ] 2>/dev/null; then
+    usage \"there is no part $part\"
+fi
 {}name=$(printf %0{}d \"$part\")
 exec >>\"$dir/{LOGS}/$name.out\" 2>&1
 cd {}
@@ -134,7 +157,8 @@ fn submit_head(manifest: &Manifest, folder: &str, about: &str) -> String {
 # {about}: sh submit [PARTS], such as 3,7-9 (default: all).
 {}set -eu
 dir={}
-parts=${{1-1-{}}}
+count={}
+parts=${{1-1-$count}}
 {NUMBERS}",
         comment(&manifest.line()),
         quoted(folder),
@@ -175,8 +199,9 @@ fn slurm_job(manifest: &Manifest, folder: &str, is_array: bool) -> String {
         vec![format!("--job-name=sphvar-{}", if is_array { "parts" } else { "merge" })];
     if is_array {
         options.push(format!("--array=1-{}", manifest.parts));
-        // The script of a part redirects its output.
-        options.push("--output=/dev/null".to_owned());
+        // The script of a part redirects its output, so this is what Slurm reports: a time limit that was
+        // exceeded, or too much memory. The path is relative to the folder of the plan.
+        options.push(format!("--output={LOGS}/slurm-%a.out"));
         options.push("--requeue".to_owned());
     } else {
         // Relative to the folder of the plan, from which the job is submitted.

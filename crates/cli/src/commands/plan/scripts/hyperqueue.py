@@ -20,6 +20,8 @@ def parts_of(text):
     parts = []
     for item in text.split(","):
         first, _, last = item.partition("-")
+        if not 1 <= int(first) <= int(last or first) <= PLAN["parts"]:
+            raise argparse.ArgumentTypeError(f"expected parts from 1 to {PLAN['parts']}, got {text}")
         parts += range(int(first), int(last or first) + 1)
     return parts
 
