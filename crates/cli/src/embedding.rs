@@ -84,7 +84,10 @@ impl From<CliError> for Failure {
             CliError::File(_) => FailureKind::File,
             CliError::Memory(_) => FailureKind::Memory,
             CliError::Stopped(_) => FailureKind::Stopped,
-            CliError::Failed(_) | CliError::NotDone | CliError::ClosedPipe => FailureKind::Failed,
+            CliError::Failed(_)
+            | CliError::NotDone
+            | CliError::PlanFailed
+            | CliError::ClosedPipe => FailureKind::Failed,
         };
         Self { kind, message: message::clean(&error.to_string()) }
     }

@@ -21,9 +21,12 @@ pub(crate) enum CliError {
     /// The command line is valid but its execution failed: exit status 1.
     #[error("{0}")]
     Failed(String),
-    /// Parts of a plan are not done, which the output states: exit status 1.
-    #[error("not all parts are done")]
+    /// Parts of a plan are not done or not merged, which the output states: exit status 1.
+    #[error("not all parts are done and merged")]
     NotDone,
+    /// Parts of a plan or its merge have failed, which the output states: exit status 2.
+    #[error("parts or the merge have failed")]
+    PlanFailed,
     /// The embedding program has stopped the work.
     #[error("{0}")]
     Stopped(Stopped),
@@ -36,7 +39,7 @@ impl CliError {
     /// Returns the exit status.
     pub(crate) fn status(&self) -> u8 {
         match self {
-            Self::Usage(_) => 2,
+            Self::Usage(_) | Self::PlanFailed => 2,
             Self::File(_)
             | Self::Memory(_)
             | Self::Failed(_)

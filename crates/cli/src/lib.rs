@@ -101,7 +101,7 @@ fn open_log(cli: &Cli, words: &[OsString]) -> Result<Option<Arc<RunLog>>, CliErr
 
 /// Reports an error and returns the exit status.
 fn failure(error: &CliError) -> u8 {
-    if !matches!(error, CliError::NotDone) {
+    if !matches!(error, CliError::NotDone | CliError::PlanFailed) {
         message::write(&format!("error: {error}"));
     }
     error.status()

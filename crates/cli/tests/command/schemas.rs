@@ -141,6 +141,7 @@ fn documents_fit_their_schema() {
     let spectrum = "spectrum jittered -n 12 -m 4";
     place.run(&format!("plan --shards 1 --for shell -o done -- {spectrum}")).ok();
     place.run(&format!("{spectrum} --shard 1/1 --save done/parts/0001.shard")).ok();
+    place.run("merge done --log done/logs/merge.jsonl").ok();
     place.write("square.csv", "u,v,w\n0.5,0.25,1\n0,0.75,-3\n");
     let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");

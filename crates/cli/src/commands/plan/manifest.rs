@@ -182,6 +182,16 @@ impl Manifest {
         folder.join(LOGS).join(format!("{}.jsonl", self.part_name(part)))
     }
 
+    /// Returns the file of what a part printed in the folder of the plan.
+    pub(super) fn output_path(&self, folder: &Path, part: u64) -> PathBuf {
+        folder.join(LOGS).join(format!("{}.out", self.part_name(part)))
+    }
+
+    /// Returns the file of what Slurm reported about a part in the folder of the plan.
+    pub(super) fn slurm_path(&self, folder: &Path, part: u64) -> PathBuf {
+        folder.join(LOGS).join(format!("slurm-{part}.out"))
+    }
+
     fn part_name(&self, part: u64) -> String {
         format!("{part:0digits$}", digits = self.digits)
     }

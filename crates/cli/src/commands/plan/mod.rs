@@ -21,7 +21,7 @@ use serde::Serialize;
 
 pub(crate) use self::manifest::Manifest;
 use self::manifest::{Engine, Settings};
-use self::scripts::{RUN, SUBMIT};
+use self::scripts::{MERGE, RUN, SUBMIT};
 use self::status::StatusArgs;
 use self::words::PlannedWords;
 use crate::args::{Cli, Command};
@@ -45,15 +45,20 @@ and for the Python package of HyperQueue. `sphvar merge job` merges the parts of
 folder in which plan was called, so relative paths are those of that folder, which all machines must see under the \
 same path. A part that is done is not computed again, and a killed one continues.
 
-A part uses one thread unless -j is given, so an engine runs a part per core.
+A part uses one thread unless -j is given, to plan or to the command, so an engine runs a part per core.
 
 status counts the parts that are done, running, failed and missing (not started, or waiting in the queue of the \
 engine), and estimates the remaining time from the logs. A part has failed if it ended with an error or stopped \
-reporting. --resubmit prints the line that runs failed and missing parts again, and then the merge. The exit status is 0 \
-if all parts are done, and 1 otherwise.";
+reporting. --resubmit prints the line that runs failed and missing parts again, and then the merge, or the merge alone \
+if it failed. The exit status is 0 if all parts are done and merged by the script of the plan, 2 if a part or the merge has \
+failed, and 1 otherwise.";
 
 /// The maximum number of parts.
 pub(crate) const MAX_PARTS: u64 = 100_000;
+
+/// The maximum number of tasks of an array of Slurm by default: `MaxArraySize` of slurm.conf is 1001,
+/// and the largest index is less.
+const SLURM_PARTS: u64 = 1000;
 
 /// The options after a command that belong to the plan.
 const AFTER: [&str; 2] = ["--shards", "--for"];
@@ -81,10 +86,10 @@ pub(crate) struct PlanArgs {
     /// Maximum number of parts at a time, for the shell [default: one per core, or what -j leaves]
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u64).range(1..))]
     workers: Option<u64>,
-    /// Time limit of a part, for Slurm, such as 2:00:00
+    /// Time limit of a part and of the merge, for Slurm, such as 2:00:00
     #[arg(long, value_name = "TIME", value_parser = parse_time)]
     time: Option<String>,
-    /// Memory of a part, for Slurm, such as 4G
+    /// Memory of a part and of the merge, for Slurm, such as 4G
     #[arg(long, value_name = "SIZE", value_parser = parse_mem)]
     mem: Option<String>,
     /// The command whose work is divided, without the name sphvar
@@ -157,11 +162,13 @@ fn write(args: &PlanArgs, global: &Global) -> Result<(), CliError> {
         return Err(CliError::Usage("missing the command whose work is divided".to_owned()));
     }
     check_engine(args, engine)?;
-    if global.seed != 0 {
-        return Err(CliError::Usage(
-            "--seed is an option of the command that is divided; write it after the name of that command"
-                .to_owned(),
-        ));
+    for (option, is_given) in [("--seed", global.seed != 0), ("--memory", global.memory.is_some())]
+    {
+        if is_given {
+            return Err(CliError::Usage(format!(
+                "{option} is an option of the command that is divided; write it after the name of that command"
+            )));
+        }
     }
     let words = args.command.iter().map(|word| utf8(word)).collect::<Result<_, _>>()?;
     let words = PlannedWords::new(words)?;
@@ -178,6 +185,12 @@ fn write(args: &PlanArgs, global: &Global) -> Result<(), CliError> {
     check(&words, &manifest, &folder, global)?;
     let provenance = Provenance::new(&global.session, global.seed);
     folder::write(out, &manifest, &scripts, &provenance.command)?;
+    if engine == Engine::Slurm && parts > SLURM_PARTS {
+        global.session.say(&format!(
+            "warning: sites limit the size of an array of Slurm, by default to {SLURM_PARTS} tasks, and sbatch \
+             rejects {parts}; see MaxArraySize in the output of scontrol show config, or use fewer parts"
+        ));
+    }
     let run = run_line(&manifest, out, None)?;
     let status = format!("sphvar plan status {}", quoted(&path_text(out)?));
     if global.json {
@@ -227,6 +240,11 @@ fn check(
         ));
     }
     Ok(())
+}
+
+/// Returns the line of a shell that runs the merge of a plan in a folder.
+fn merge_line(folder: &Path) -> Result<String, CliError> {
+    Ok(format!("sh {}", quoted(&path_text(&folder.join(MERGE))?)))
 }
 
 /// Returns the line of a shell that runs parts of a plan in a folder, all of them by default, and then

@@ -1,6 +1,8 @@
 //! `sphvar plan status`: what of a plan is done, from its results and logs.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,10 +10,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sysinfo::{Pid, ProcessRefreshKind, ProcessStatus, ProcessesToUpdate, System};
 
-use super::manifest::{LOGS, Manifest};
+use super::manifest::{Engine, LOGS, Manifest};
 use super::part_list::part_list;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::message;
 use crate::progress::rough;
 use crate::report::{Document, Provenance};
 use crate::run_log::{Event, LogLine, now, read_log, this_host};
@@ -22,6 +25,8 @@ use crate::shards::{Request, ShardFile, UnfinishedWork};
 const PATIENCE: (f64, f64) = (2.0, 30.0);
 /// The seconds to the second line of a log.
 const FIRST_LINE: f64 = 1.0;
+/// The number of bytes at the end of an output in which its message is searched.
+const OUTPUT_END: u64 = 4096;
 /// The maximum number of failed parts whose messages are printed.
 const MAX_LISTED: usize = 12;
 
@@ -30,7 +35,7 @@ pub(crate) struct StatusArgs {
     /// Folder of the plan
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Print only the line of a shell that runs failed and missing parts again, and then the merge
+    /// Print only the line of a shell that runs failed and missing parts again, and then the merge; or the merge alone if it failed
     #[arg(long)]
     resubmit: bool,
 }
@@ -65,8 +70,10 @@ pub(crate) struct StatusBody {
     instruction_sets: Vec<String>,
     /// Whether the last merge succeeded; null if there was none, or it is running.
     merged: Option<bool>,
-    /// The line of a shell that runs the failed and missing parts again, and then the merge; null if
-    /// there are none.
+    /// Why the last merge failed; null if it did not.
+    merge_message: Option<String>,
+    /// The line of a shell that runs the failed and missing parts again, and then the merge, or the
+    /// merge alone if all parts are done; null if they are merged or the merge is running.
     resubmit: Option<String>,
 }
 
@@ -99,6 +106,14 @@ struct PartReport {
     seconds: f64,
 }
 
+/// What is known of the merge.
+enum Merge {
+    NotStarted,
+    Running,
+    Done,
+    Failed(String),
+}
+
 enum State {
     Done { instruction_set: String },
     Running(RunningPart),
@@ -110,7 +125,8 @@ pub(super) fn run(args: &StatusArgs, global: &Global) -> Result<(), CliError> {
     let manifest = Manifest::of_folder(&args.folder)?;
     let reports: Vec<PartReport> =
         (1..=manifest.parts).map(|part| report(&manifest, &args.folder, part)).collect();
-    let body = body(&manifest, &args.folder, &reports)?;
+    let merge = merge_state(&args.folder);
+    let body = body(&manifest, &args.folder, &reports, &merge)?;
     if global.json {
         let provenance = Provenance::new(&global.session, global.seed);
         Document::new(&body, &provenance).print(&global.session)?;
@@ -118,15 +134,22 @@ pub(super) fn run(args: &StatusArgs, global: &Global) -> Result<(), CliError> {
         let line = body.resubmit.as_ref().map(|line| format!("{line}\n"));
         global.session.print(&line.unwrap_or_default())?;
     } else {
-        global.session.print(&text(&body))?;
+        global.session.print(&text(&body, &merge))?;
     }
-    if body.done == body.parts { Ok(()) } else { Err(CliError::NotDone) }
+    match merge {
+        _ if body.failed > 0 => Err(CliError::PlanFailed),
+        _ if body.done < body.parts => Err(CliError::NotDone),
+        Merge::Done => Ok(()),
+        Merge::Failed(_) => Err(CliError::PlanFailed),
+        Merge::NotStarted | Merge::Running => Err(CliError::NotDone),
+    }
 }
 
 fn body(
     manifest: &Manifest,
     folder: &Path,
     reports: &[PartReport],
+    merge: &Merge,
 ) -> Result<StatusBody, CliError> {
     let (mut running, mut failed, mut missing) = (Vec::new(), Vec::new(), Vec::new());
     let (mut done, mut instruction_sets) = (0, Vec::new());
@@ -146,9 +169,18 @@ fn body(
     let mut again: Vec<u64> =
         failed.iter().map(|failed| failed.part).chain(missing.iter().copied()).collect();
     again.sort_unstable();
-    let resubmit = (!again.is_empty())
-        .then(|| super::run_line(manifest, folder, Some(&part_list(&again))))
-        .transpose()?;
+    let resubmit = if !again.is_empty() {
+        Some(super::run_line(manifest, folder, Some(&part_list(&again)))?)
+    } else if done == manifest.parts && matches!(merge, Merge::NotStarted | Merge::Failed(_)) {
+        Some(super::merge_line(folder)?)
+    } else {
+        None
+    };
+    let (merged, merge_message) = match merge {
+        Merge::NotStarted | Merge::Running => (None, None),
+        Merge::Done => (Some(true), None),
+        Merge::Failed(message) => (Some(false), Some(message.clone())),
+    };
     let share = |state: &RunningPart| state.done.unwrap_or(0.0);
     let progress = (done as f64 + running.iter().map(share).sum::<f64>()) / manifest.parts as f64;
     Ok(StatusBody {
@@ -160,7 +192,8 @@ fn body(
         progress,
         seconds_left: seconds_left(reports, again.len()),
         instruction_sets,
-        merged: merged(folder),
+        merged,
+        merge_message,
         resubmit,
         running_parts: running,
         failed_parts: failed,
@@ -179,7 +212,47 @@ fn report(manifest: &Manifest, folder: &Path, part: u64) -> PartReport {
         }
     };
     let seconds = runs.iter().filter_map(|last| last.seconds).sum();
-    PartReport { state: state(manifest, &path, part, &runs), seconds }
+    let state = match state(manifest, &path, part, &runs) {
+        // The program has not started, or not as far as its log.
+        State::Missing => match final_message(&manifest.output_path(folder, part)) {
+            Some(message) => failed(part, message),
+            None => of_slurm(manifest, folder, part).unwrap_or(State::Missing),
+        },
+        // Without a message of its own, a part may have been killed by Slurm.
+        State::Failed(known) if is_silent(&runs) => {
+            of_slurm(manifest, folder, part).unwrap_or(State::Failed(known))
+        }
+        state => state,
+    };
+    PartReport { state, seconds }
+}
+
+/// Returns the failure of a part that Slurm reported, such as a time limit that was exceeded.
+fn of_slurm(manifest: &Manifest, folder: &Path, part: u64) -> Option<State> {
+    if manifest.engine != Engine::Slurm {
+        return None;
+    }
+    final_message(&manifest.slurm_path(folder, part)).map(|message| failed(part, message))
+}
+
+/// Returns whether the last run has neither ended nor reported an error.
+fn is_silent(runs: &[LogLine]) -> bool {
+    runs.last().is_none_or(|last| matches!(last.event, Event::Start | Event::Progress))
+}
+
+/// Returns the last error in what a process printed, or else its last line; `None` if there is
+/// none.
+fn final_message(path: &Path) -> Option<String> {
+    let mut file = File::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(OUTPUT_END))).ok()?;
+    let mut bytes = Vec::new();
+    file.take(OUTPUT_END).read_to_end(&mut bytes).ok()?;
+    let text = String::from_utf8_lossy(&bytes);
+    let lines = || text.lines().rev().map(str::trim).filter(|line| !line.is_empty());
+    // Advice follows the error of a command line.
+    let error = lines().find_map(|line| line.strip_prefix("error: "));
+    error.or_else(|| lines().next()).map(|line| message::escape(line).into_owned())
 }
 
 fn failed(part: u64, message: String) -> State {
@@ -310,18 +383,32 @@ fn seconds_left(reports: &[PartReport], waiting: usize) -> Option<f64> {
     Some(left.into_iter().fold(shared, f64::max))
 }
 
-/// Returns whether the last merge succeeded.
-fn merged(folder: &Path) -> Option<bool> {
-    let lines = read_log(&folder.join(LOGS).join("merge.jsonl")).ok()?;
-    let last = runs(lines).pop()?;
-    match last.event {
-        Event::End => Some(true),
-        _ if is_alive(&last) => None,
-        _ => Some(false),
+/// Returns the state of the last merge.
+fn merge_state(folder: &Path) -> Merge {
+    let logs = folder.join(LOGS);
+    let lines = match read_log(&logs.join("merge.jsonl")) {
+        Ok(lines) => lines,
+        Err(error) => return Merge::Failed(format!("its log cannot be read: {error}")),
+    };
+    let output =
+        || ["merge.err", "merge.out"].iter().find_map(|name| final_message(&logs.join(name)));
+    let Some(last) = runs(lines).pop() else {
+        // Engines keep what is printed before the log starts.
+        return output().map_or(Merge::NotStarted, Merge::Failed);
+    };
+    match (last.event, &last.message) {
+        (Event::End, _) => Merge::Done,
+        (Event::Error, Some(message)) => Merge::Failed(message.clone()),
+        (Event::Error, None) => Merge::Failed("it has ended without results".to_owned()),
+        (Event::Start | Event::Progress, _) if is_alive(&last) => Merge::Running,
+        (Event::Start | Event::Progress, _) => Merge::Failed(format!(
+            "process {} on {} stopped without a message",
+            last.process, last.host
+        )),
     }
 }
 
-fn text(body: &StatusBody) -> String {
+fn text(body: &StatusBody, merge: &Merge) -> String {
     let StatusBody { parts, done, running, failed, missing, .. } = body;
     let mut text = format!(
         "{parts} {}: {done} done, {running} running, {failed} failed, {missing} missing\n",
@@ -358,15 +445,33 @@ fn text(body: &StatusBody) -> String {
             body.instruction_sets.join("; ")
         );
     }
-    match body.merged {
-        Some(true) => text += "merged\n",
-        Some(false) => text += "the last merge failed\n",
-        None => {}
+    match merge {
+        Merge::Done => text += "merged\n",
+        Merge::Running => text += "the merge is running\n",
+        Merge::Failed(message) => text += &format!("the last merge failed: {message}\n"),
+        Merge::NotStarted => {}
     }
-    if let Some(line) = &body.resubmit {
-        text += &format!("run failed and missing parts again: {line}\n");
+    text + &next_step(body, merge)
+}
+
+/// Returns the line about what is to be done, or about what waits.
+fn next_step(body: &StatusBody, merge: &Merge) -> String {
+    let Some(line) = &body.resubmit else { return String::new() };
+    match merge {
+        _ if body.failed > 0 => format!("run failed and missing parts again: {line}\n"),
+        _ if body.running > 0 => {
+            "the missing parts wait for those that run, or in the queue of the engine\n".to_owned()
+        }
+        _ if body.missing > 0 => {
+            format!(
+                "nothing runs; unless the parts wait in the queue of the engine, run them: {line}\n"
+            )
+        }
+        Merge::Failed(_) => format!("run the merge again: {line}\n"),
+        _ => format!(
+            "not merged; unless the merge waits in the queue of the engine, run it: {line}\n"
+        ),
     }
-    text
 }
 
 #[cfg(test)]
