@@ -191,7 +191,11 @@ in_parts() {
         "$SPHVAR" plan status job && fail "$name: the killed part is not missing"
         line=$("$SPHVAR" plan status job --resubmit || true)
         say "resubmit: $line"
-        marked resubmit "$line" >>"$place/logs/$name" 2>&1
+        case $line in
+        # All parts are done.
+        */merge) $line >>"$place/logs/$name" 2>&1 ;;
+        *) marked resubmit "$line" >>"$place/logs/$name" 2>&1 ;;
+        esac
         within 120 is_merged || fail "$name: not merged after 120 s"
     fi
     say "$parts parts and their merge: $(seconds "$start") s; $("$python" "$tools/parts.py" starts job) starts of parts"

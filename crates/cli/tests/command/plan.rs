@@ -202,8 +202,131 @@ fn engines_get_the_parts_and_the_merge() {
     assert!(job.contains("id = 3\ncommand = [\"sh\", \"part\", \"3\"]\n"), "{job}");
     assert!(job.contains("command = [\"sh\", \"merge\"]\ndeps = [1,2,3]\n"), "{job}");
     assert_eq!(job.matches("resources = { \"cpus\" = 3 }").count(), 3, "{job}");
-    assert!(!place.text("hq/part").contains("--threads"), "the command states them");
+    let part = place.text("hq/part");
+    let command = part.lines().last().unwrap();
+    assert!(command.contains(" --threads 3 ") && !command.contains(" -j"), "{command}");
     shell(&place, "sh hq/submit 'x;y' 2>&1 | grep usage");
+    assert!(place.text("slurm/array.sbatch").contains("#SBATCH --output=logs/slurm-%a.out\n"));
+    let large = |parts: u32| {
+        let words = format!("plan --shards {parts} --for slurm -o s{parts} -- {COMMAND}");
+        place.run(&words).ok().stderr.contains("MaxArraySize")
+    };
+    assert!(large(1001) && !large(1000));
+}
+
+/// The number of threads of the planned command, however it is written, is that of the parts.
+#[test]
+fn threads_of_the_command_replace_those_of_plan() {
+    let place = Workplace::new();
+    for (i, (words, threads)) in [
+        (format!("{COMMAND} -j0"), 0),
+        (format!("{COMMAND} -j 0"), 0),
+        (format!("-j=2 {COMMAND}"), 2),
+        (format!("{COMMAND} --threads=2"), 2),
+        (format!("--threads 2 {COMMAND}"), 2),
+        (COMMAND.to_owned(), 3),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        place.run(&format!("plan -j 3 --shards 2 --for shell -o {i} -- {words}")).ok();
+        let part = place.text(&format!("{i}/part"));
+        let command = part.lines().last().unwrap();
+        assert_eq!(command.matches("--threads").count(), 1, "{command}");
+        assert!(command.contains(&format!(" --threads {threads} ")), "{command}");
+        assert!(!command.contains(" -j"), "{command}");
+        shell(&place, &format!("sh {i}/submit"));
+        assert_eq!(status(&place, &i.to_string()).1, Some(0));
+    }
+}
+
+/// Parts that a plan does not have are usage errors of its scripts.
+#[test]
+fn scripts_check_the_numbers_of_parts() {
+    let place = Workplace::new();
+    place.run(&format!("plan --shards 3 --for shell -o job -- {COMMAND}")).ok();
+    for (line, message) in [
+        ("part", "missing the number of the part"),
+        ("part x", "expected the number of a part, got \"x\""),
+        ("part 03", "expected the number of a part"),
+        ("part 17", "there is no part 17; usage: sh job/part NUMBER, from 1 to 3"),
+        ("part 99999999999999999999999", "there is no part 9"),
+        ("submit 99", "expected parts from 1 to 3, got \"99\""),
+        ("submit 1,2-4", "expected parts from 1 to 3"),
+        ("submit 3-1", "expected parts from 1 to 3"),
+        ("submit 0", "expected parts from 1 to 3"),
+        ("submit 1-2-3", "expected parts from 1 to 3"),
+        ("submit 1-99999999999999999999999", "expected parts from 1 to 3"),
+        ("submit 2-", "expected a list of parts"),
+        ("submit ,", "expected a list of parts"),
+    ] {
+        let output = run(&place, "sh", &["-c", &format!("sh job/{line}")]);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{line}: {text}");
+        assert!(text.contains(message) && text.contains("usage: sh "), "{line}: {text}");
+    }
+    assert_eq!(counts(&status(&place, "job").0), [0, 0, 0, 3], "nothing was run");
+    shell(&place, "sh job/submit 2,1,3-3");
+    assert_eq!(status(&place, "job").1, Some(0));
+}
+
+/// A part that ends before its log starts has failed, with what it printed.
+#[test]
+fn a_part_that_does_not_start_has_failed() {
+    let place = Workplace::new();
+    place.run(&format!("plan --shards 3 --for slurm -o job -- {COMMAND} -o s.csv")).ok();
+    place.write("usage", "#!/bin/sh\nexec \"$TRUE_SPHVAR\" --no-such-flag\n");
+    shell(&place, "chmod +x usage");
+    for (program, part) in [("./nothing/sphvar", "1"), ("./usage", "2")] {
+        let mut command = Command::new("sh");
+        command.arg("job/part").arg(part).current_dir(place.path("")).env("SPHVAR", program);
+        command.env("TRUE_SPHVAR", env!("CARGO_BIN_EXE_sphvar"));
+        assert!(!command.output().unwrap().status.success());
+    }
+    let (document, code) = status(&place, "job");
+    assert_eq!((counts(&document), code), ([0, 0, 2, 1], Some(2)), "{document}");
+    for (i, words) in ["nothing/sphvar", "--no-such-flag"].iter().enumerate() {
+        let message = document["failed_parts"][i]["message"].as_str().unwrap();
+        assert!(message.contains(words), "{message}");
+    }
+    // What Slurm reports counts too.
+    place.write("job/logs/slurm-3.out", "slurmstepd: error: *** DUE TO TIME LIMIT ***\n");
+    let text = place.run("plan status job").stdout;
+    assert!(text.contains("part 3: slurmstepd: error: *** DUE TO TIME LIMIT ***\n"), "{text}");
+    assert!(text.contains("run failed and missing parts again: sh job/submit 1-3\n"), "{text}");
+}
+
+/// A plan is done when it is merged; a merge that failed states why and how it is run again.
+#[test]
+fn a_plan_is_done_when_it_is_merged() {
+    let place = Workplace::new();
+    fs::create_dir(place.path("results")).unwrap();
+    place.run(&format!("plan --shards 2 --for shell -o job -- {COMMAND} -o results/s.csv")).ok();
+    let text = place.run("plan status job").stdout;
+    assert!(text.contains("nothing runs; unless the parts wait"), "{text}");
+    assert!(text.contains(", run them: sh job/submit 1-2\n"), "{text}");
+    shell(&place, "sh job/part 1; sh job/part 2");
+    let (document, code) = status(&place, "job");
+    assert_eq!((&document["merged"], code), (&Value::Null, Some(1)), "{document}");
+    assert_eq!(document["resubmit"], "sh job/merge");
+    let text = place.run("plan status job").stdout;
+    assert!(text.contains("not merged; unless the merge waits"), "{text}");
+    fs::remove_dir(place.path("results")).unwrap();
+    assert!(!run(&place, "sh", &["job/merge"]).status.success());
+    let (document, code) = status(&place, "job");
+    assert_eq!((counts(&document), code), ([2, 0, 0, 0], Some(2)), "{document}");
+    assert_eq!(document["merged"], false);
+    assert!(document["merge_message"].as_str().unwrap().contains("results"), "{document}");
+    assert_eq!(document["resubmit"], "sh job/merge");
+    let text = place.run("plan status job").stdout;
+    assert!(text.contains("the last merge failed: ") && text.contains("results"), "{text}");
+    assert!(text.contains("run the merge again: sh job/merge\n"), "{text}");
+    let line = place.run("plan status job --resubmit");
+    assert_eq!((&*line.stdout, line.status), ("sh job/merge\n", Some(2)));
+    fs::create_dir(place.path("results")).unwrap();
+    shell(&place, line.stdout.trim());
+    let (document, code) = status(&place, "job");
+    assert_eq!((&document["merge_message"], code), (&Value::Null, Some(0)), "{document}");
 }
 
 #[test]
@@ -234,6 +357,14 @@ fn the_options_of_plan_stand_before_or_after_the_command() {
         (format!("plan --shards 2 --for shell -o x {COMMAND} --shard 1/2 --save y"), "--shard"),
         (format!("plan --shards 2 --for shell -o x {COMMAND} --log y"), "--log"),
         (format!("plan --shards 2 --for shell -o x -s 3 {COMMAND}"), "--seed"),
+        (
+            format!("plan --shards 2 --for shell -o x --memory 100M {COMMAND}"),
+            "--memory is an option",
+        ),
+        (
+            format!("plan {COMMAND} --shards 2 --for shell -o x --memory 1G"),
+            "--memory is an option",
+        ),
         (format!("plan --shards 2 --for shell -o x --time 1 {COMMAND}"), "--for slurm"),
         (format!("plan --shards 2 --for slurm -o x --time 1;x {COMMAND}"), "expected minutes"),
         (format!("plan --shards 2 --for slurm -o x --mem 4GB {COMMAND}"), "4G"),
@@ -309,11 +440,14 @@ fn the_state_of_a_part_follows_from_its_files() {
     assert_eq!(counts(&running), [0, 1, 0, 3], "{running}");
     assert_eq!(running["running_parts"][0]["part"], 2);
     assert_eq!(running["resubmit"], "sh long/submit 1,3-4");
+    let text = place.run("plan status long").stdout;
+    assert!(text.contains("the missing parts wait for those that run"), "{text}");
+    assert!(!text.contains("again"), "{text}");
     // The script is the process of the part, so this kills it.
     child.kill().unwrap();
     child.wait().unwrap();
-    let (document, _) = status(&place, "long");
-    assert_eq!(counts(&document), [0, 0, 1, 3], "{document}");
+    let (document, code) = status(&place, "long");
+    assert_eq!((counts(&document), code), ([0, 0, 1, 3], Some(2)), "{document}");
     let message = document["failed_parts"][0]["message"].as_str().unwrap();
     assert!(message.contains("stopped without a message"), "{message}");
     assert_eq!(document["resubmit"], "sh long/submit 1-4");
@@ -341,7 +475,7 @@ fn the_state_of_a_part_follows_from_its_files() {
     shell(&place, "cp other/parts/0002.shard job/parts/0002.shard");
     shell(&place, "cp job/parts/0004.shard job/parts/0003.shard");
     let (document, code) = status(&place, "job");
-    assert_eq!((counts(&document), code), ([1, 0, 3, 0], Some(1)), "{document}");
+    assert_eq!((counts(&document), code), ([1, 0, 3, 0], Some(2)), "{document}");
     let text = place.run("plan status job");
     for words in ["1 done, 0 running, 3 failed, 0 missing", "0001.shard", "damaged", "another plan"]
     {
