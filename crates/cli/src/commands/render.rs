@@ -35,7 +35,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render cornell --sampler jittered -n 24 --size 64 -o ao.png
   sphvar render cornell --sampler fibonacci -n 256 --mode shared --mse -o bands.png
   sphvar render cornell --study --samplers white-noise,jittered -o study.png
-  sphvar render cornell --study --samplers white-noise,jittered -m 64 --shard 3/16 --save third.shard
+  sphvar render cornell --study --samplers white-noise,jittered -m 64 --shard 3/16 --save 3.shard
   sphvar render mesh.obj --sampler healpix --integral irradiance:env=sky.exr -o m.exr
   sphvar render cornell --integral light --sampler sobol:warp=light -n 16 --size 64 -o light.png
   sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png

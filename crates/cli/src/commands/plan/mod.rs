@@ -31,7 +31,7 @@ use crate::report::{Document, Provenance, quoted};
 use crate::shards::{Part, Tasks};
 
 pub(crate) const EXAMPLES: &str = "Examples:
-  sphvar plan --shards 16 --for slurm -o job -- compare poisson-disk -n 1024 --integrand cap:degrees=60 -o results
+  sphvar plan --shards 16 --for slurm -o job -- compare poisson-disk -n 1024 --integrand cosine
   sphvar plan spectrum poisson-disk -n 1024 -m 200 -o spectrum.csv --shards 16 --for shell -o parts
   sphvar plan status job
   sphvar plan status job --resubmit

@@ -28,7 +28,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar progressive halton -n 100,200,1000 --integrand vmf:kappa=20 --reference healpix,spiral
   sphvar progressive sobol,halton -n 256 --integrand cap:degrees=60 --no-rotate --reference none
   sphvar progressive sobol,r2,pmj02 --square -n 64 --integrand disk:radius=0.3 -m 100
-  sphvar progressive sobol,halton -n 1024 --integrand cap:degrees=60 -m 200 --shard 3/16 --save third.shard
+  sphvar progressive sobol,halton -n 1024 --integrand cosine -m 200 --shard 3/16 --save third.shard
 
 A sequence is a pattern whose first N points, for every N, are a set of the pattern: more points can be added to those that \
 are there, as progressive rendering does. sphvar list shows which patterns are sequences. The command computes the error of integrating with the \

@@ -34,7 +34,7 @@ use crate::shards::ShardArgs;
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
   sphvar reproduce 4.14 7.4 --full -o out
-  sphvar reproduce all --quick -o out --shard 3/16 --save third.shard     (for sphvar merge, which writes the folder)
+  sphvar reproduce all --quick -o out --shard 3/16 --save third.shard
 
 The folder receives index.html, one page with the summary, the errata, and every figure with its stated and measured \
 numbers; claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; and \
