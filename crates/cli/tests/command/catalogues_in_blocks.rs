@@ -135,6 +135,8 @@ fn sets_of_less_than_a_block_fall_into_parts_as_well() {
             assert!(merged.stderr.contains(remark), "{arguments}: {remark} in {}", merged.stderr);
         }
         assert_eq!(content(&merged.json()), whole, "{arguments}");
+        // Results of another command are not replaced.
+        ["a", "b"].map(|part| std::fs::remove_file(place.path(part)).unwrap());
     }
 }
 
