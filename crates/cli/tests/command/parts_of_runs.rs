@@ -25,6 +25,8 @@ impl<'p> WholeRun<'p> {
     /// Runs one part, with one or two threads, and returns the name of its file.
     pub(crate) fn part(&self, part: u64, parts: u64) -> String {
         let (name, threads) = (format!("{part}-of-{parts}.shard"), 1 + part % 2);
+        // Results of another command are not replaced.
+        let _ = std::fs::remove_file(self.place.path(&name));
         let flags = format!("--shard {part}/{parts} --save {name} -j {threads} --quiet");
         let outcome = self.place.run(&format!("{} {flags}", self.command)).ok();
         let only = if parts == 1 { &outcome.stderr } else { &outcome.stdout };

@@ -30,6 +30,8 @@ fn parts(place: &Workplace, command: &str, parts: u64) -> String {
     let mixed = (0..parts).map(|i| (7 * i + 2) % parts + 1);
     for part in mixed {
         let threads = 1 + part % 2;
+        // Results of another command are not replaced.
+        let _ = std::fs::remove_file(place.path(format!("{part}-of-{parts}")));
         let shard = format!("--shard {part}/{parts} --save {part}-of-{parts} -j {threads} --quiet");
         let outcome = place.run(&format!("{command} {shard}")).ok();
         // A single part reports what it has computed.
