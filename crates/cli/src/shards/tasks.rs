@@ -222,11 +222,11 @@ impl Tasks {
             Some(piece) => decode(name, piece)?,
             None => {
                 let result = compute()?;
-                run.keep(name, 0..1, 1, &result)?;
+                run.keep(name, piece(0..1, 1, &result)?)?;
                 result
             }
         };
-        run.finish(name, 0..1, 1, &result)?;
+        run.finish(name, piece(0..1, 1, &result)?);
         Ok(run.part.is_whole().then_some(result))
     }
 
@@ -284,25 +284,25 @@ impl Tasks {
             let started = Instant::now();
             let result = compute(next..end)?;
             let computed = Instant::now();
-            run.keep(name, next..end, count, &result)?;
+            run.keep(name, piece(next..end, count, &result)?)?;
             pace = (computed - started).as_secs_f64() / (end - next) as f64;
             seconds = PIECE_SECONDS.max(MIN_RATIO * computed.elapsed().as_secs_f64());
             add(&mut sum, result)?;
             next = end;
         }
         if let Some(sum) = &sum {
-            run.finish(name, range, count, sum)?;
+            run.finish(name, piece(range, count, sum)?);
         }
         Ok(sum.filter(|_| run.part.is_whole()))
     }
 
-    /// Ends the run: the file of a part is complete under its name. Returns whether there is one.
+    /// Ends the run: the file of a part is complete under its name.
     ///
     /// # Errors
     ///
     /// If it cannot be written.
-    pub(crate) fn finish(&self) -> Result<bool, CliError> {
-        let Kind::Part(run) = &self.0 else { return Ok(false) };
+    pub(crate) fn finish(&self) -> Result<(), CliError> {
+        let Kind::Part(run) = &self.0 else { return Ok(()) };
         let mut state = run.state();
         run.check_inputs(&mut state)?;
         let file = ShardFile {
@@ -312,8 +312,7 @@ impl Tasks {
         };
         set_last_output(None);
         file.write(&run.target)?;
-        state.unfinished.take().map_or(Ok(()), Unfinished::remove)?;
-        Ok(true)
+        state.unfinished.take().map_or(Ok(()), Unfinished::remove)
     }
 }
 
@@ -393,28 +392,13 @@ impl PartOfRun {
     }
 
     /// Keeps the result for some units until the work is finished.
-    fn keep<T: Serialize>(
-        &self,
-        name: &str,
-        units: Range<u64>,
-        count: u64,
-        result: &T,
-    ) -> Result<(), CliError> {
-        let piece = piece(units, count, result)?;
+    fn keep(&self, name: &str, piece: Piece) -> Result<(), CliError> {
         self.state().append(&Record::Piece(name.to_owned(), piece))
     }
 
     /// Adds the result of this part to the file.
-    fn finish<T: Serialize>(
-        &self,
-        name: &str,
-        units: Range<u64>,
-        count: u64,
-        result: &T,
-    ) -> Result<(), CliError> {
-        let piece = piece(units, count, result)?;
+    fn finish(&self, name: &str, piece: Piece) {
         self.state().results.insert(name.to_owned(), vec![piece]);
-        Ok(())
     }
 }
 
