@@ -7,7 +7,7 @@ from decimal import Decimal, getcontext
 
 from environment import ROOT, Driver, in_turn, stopwatch
 
-TABLE = ROOT / "crates" / "reference" / "data" / "associated_legendre.csv"
+TABLE = ROOT / "crates" / "accuracy" / "data" / "associated_legendre.csv"
 SEED = 20240919
 EPSILON = 2.0**-52
 # What sphvar promises, in units of epsilon (l + 1) times the local amplitude.
@@ -17,6 +17,7 @@ SMALLEST = Decimal("1e-300")
 DEGREES = [(0, 64), (255, 1000), (2047, 20000)]
 ORDERS = [(256, 128), (1000, 500), (4096, 2048)]
 N_COLATITUDES = 256
+DEGREES_OF_SCIPY = 256
 LMAXES = [64, 256, 1000]
 
 
@@ -183,6 +184,23 @@ def ducc_one(places):
     return lambda: [call()[0] for call in calls]
 
 
+def scipy_degrees(places):
+    """The ufunc over all degrees of the order of the first place."""
+    import numpy as np
+    import scipy.special as special
+
+    l, m = places[0].l, places[0].m
+    arguments = np.arange(m, l + 1)[:, None], m, np.array([p.theta for p in places])
+    return lambda: special.sph_legendre_p(*arguments).reshape(l + 1 - m, len(places))[-1]
+
+
+def ducc_degrees(places):
+    """One call for each degree."""
+    l, m = places[0].l, places[0].m
+    calls = [ducc_order([Place(k, m, p.theta, None) for p in places]) for k in range(m, l + 1)]
+    return lambda: [call() for call in calls][-1]
+
+
 def cases():
     import numpy as np
 
@@ -199,6 +217,12 @@ def cases():
         places = known + [Place(l, m, float(theta), None) for theta in thetas]
         rivals = {"scipy sph_legendre_p": (scipy_one, True), "ducc0 alm2leg": (ducc_order, True)}
         yield Case(f"l = {l}, m = {m} at {N_COLATITUDES} thetas", places, "order", rivals, len(places))
+        # Neither has a function for this; scipy takes minutes for the larger ones.
+        rivals = {"ducc0 alm2leg": (ducc_degrees, True)}
+        if l <= DEGREES_OF_SCIPY:
+            rivals["scipy sph_legendre_p"] = (scipy_degrees, True)
+        n_values = (l + 1 - m) * len(places)
+        yield Case(f"l = {m} to {l}, m = {m} at {N_COLATITUDES}", places, "degrees", rivals, n_values)
     for lmax in LMAXES:
         places = [p for p in table if p.l == lmax]
         n_values = len(places) * (lmax + 1) * (lmax + 2) // 2

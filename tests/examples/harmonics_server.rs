@@ -8,14 +8,16 @@
 //! places PATH    loads triples of degree, order, colatitude                      -> ok
 //! one            evaluates the function of each place separately                 -> seconds
 //! below          the same for the degree below; 0 where it does not exist        -> seconds
-//! order          evaluates all degrees, up to that of the first place, for its
+//! order          evaluates the function of the degree and order of the first
+//!                place at every colatitude                                       -> seconds
+//! degrees        evaluates all degrees, up to that of the first place, for its
 //!                order at every colatitude; keeps the last degree                -> seconds
 //! all            evaluates all degrees and orders up to the degree of the first
 //!                place at every colatitude; keeps the value of each place        -> seconds
 //! write PATH     writes one value per place                                      -> ok
 //! ```
 //!
-//! The times include the computation of plans and coefficients.
+//! The times include the computation of plans and coefficients; tables are kept allocated.
 
 use std::error::Error;
 use std::fs;
@@ -35,6 +37,7 @@ struct Place {
 fn main() -> Result<()> {
     let mut places = Vec::new();
     let mut values = Vec::new();
+    let mut table = Vec::new();
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
         let line = line?;
@@ -47,6 +50,7 @@ fn main() -> Result<()> {
                 p.l.checked_sub(1).map_or(0.0, |l| lambda(l, p.m, p.colatitude))
             }),
             ["order"] => order(&mut values, &places)?,
+            ["degrees"] => degrees(&mut values, &mut table, &places)?,
             ["all"] => all(&mut values, &places)?,
             ["write", path] => {
                 let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -71,12 +75,20 @@ fn fill(values: &mut Vec<f64>, places: &[Place], value: impl FnMut(&Place) -> f6
 
 fn order(values: &mut Vec<f64>, places: &[Place]) -> Result<()> {
     let first = places.first().ok_or("no places")?;
-    let recurrence = Recurrence::new(first.m, first.l);
-    let mut column = vec![0.0; first.l + 1 - first.m];
-    fill(values, places, |place| {
-        recurrence.column_into(place.colatitude, &mut column);
-        column[column.len() - 1]
-    });
+    let colatitudes: Vec<_> = places.iter().map(|place| place.colatitude).collect();
+    values.clear();
+    values.resize(places.len(), 0.0);
+    Recurrence::new(first.m, first.l).degree_into(first.l, &colatitudes, values);
+    Ok(())
+}
+
+fn degrees(values: &mut Vec<f64>, table: &mut Vec<f64>, places: &[Place]) -> Result<()> {
+    let first = places.first().ok_or("no places")?;
+    let colatitudes: Vec<_> = places.iter().map(|place| place.colatitude).collect();
+    table.resize((first.l + 1 - first.m) * places.len(), 0.0);
+    Recurrence::new(first.m, first.l).table_into(&colatitudes, table);
+    values.clear();
+    values.extend_from_slice(&table[table.len() - places.len()..]);
     Ok(())
 }
 

@@ -1,4 +1,8 @@
-use crate::{Colatitude, Scaled, sectoral::sectoral_function};
+use core::ops::{Range, RangeInclusive};
+
+use pulp::Arch;
+
+use crate::{Colatitude, Scaled, lanes::Blocks, sectoral::sectoral_function};
 
 /// Coefficients of the step from `l` to `l + 1` at fixed order; see [`Recurrence`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +49,10 @@ impl Step {
 /// represents with full relative accuracy; the form with `x` loses a factor `1/sin theta` at the
 /// poles. Errors grow in proportion to the number of steps, at every colatitude.
 ///
-/// A loop over many points with one `(L, D)` pair per point must store a scale for points whose
+/// [`degree_into`](Self::degree_into), [`table_into`](Self::table_into) and
+/// [`for_each_block`](Self::for_each_block) evaluate lists of colatitudes in the registers of the
+/// processor: the largest degree only, all degrees, or a range of degrees. A loop of one's own over
+/// many points with one `(L, D)` pair per point must store a scale for points whose
 /// [`sectoral_function`] is below the range of `f64`: `L` and `D` scale together, and `|L|` grows
 /// with `l` until it is of order one.
 ///
@@ -132,12 +139,160 @@ impl Recurrence {
         let start = sectoral_function(self.m, colatitude);
         fill_column(start, self.steps.iter().copied(), colatitude, out);
     }
+
+    /// Writes `lambda_lm` at a list of colatitudes to `out`, one value per colatitude.
+    ///
+    /// The values equal those of [`lambda`](crate::lambda).
+    ///
+    /// # Panics
+    ///
+    /// Panics if `l` is not in `m..=lmax` or `out` does not have one entry per colatitude.
+    ///
+    /// # Performance
+    ///
+    /// See [`for_each_block`](Self::for_each_block); lower degrees are not stored.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_sh::{Colatitude, Recurrence, lambda};
+    ///
+    /// let rings = [0.1, 0.8, 3.0].map(|theta| Colatitude::from_theta(theta).unwrap());
+    /// let mut values = [0.0; 3];
+    /// Recurrence::new(500, 1000).degree_into(1000, &rings, &mut values);
+    /// assert_eq!(values, rings.map(|ring| lambda(1000, 500, ring)));
+    /// ```
+    pub fn degree_into(&self, l: usize, colatitudes: &[Colatitude], out: &mut [f64]) {
+        assert_eq!(out.len(), colatitudes.len(), "a degree has one entry per colatitude");
+        self.for_each_block(l..=l, colatitudes, |_, range, values| {
+            out[range].copy_from_slice(values);
+        });
+    }
+
+    /// Writes `lambda_lm` for `l = m..=lmax` at a list of colatitudes to `out`, one row per degree:
+    /// colatitude `i` has entry `(l - m) colatitudes.len() + i`.
+    ///
+    /// The values equal those of [`lambda`](crate::lambda). An empty recurrence has no rows.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `out` does not have one entry per degree and colatitude.
+    ///
+    /// # Performance
+    ///
+    /// See [`for_each_block`](Self::for_each_block), which needs no table. Writing a table that
+    /// exceeds the caches takes longer than the computation.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_sh::{Colatitude, Recurrence, lambda};
+    ///
+    /// let rings = [0.1, 0.8, 3.0].map(|theta| Colatitude::from_theta(theta).unwrap());
+    /// let mut recurrence = Recurrence::default();
+    /// let mut table = Vec::new();
+    /// for m in 0..=20 {
+    ///     recurrence.fill(m, 20);
+    ///     table.resize((20 - m + 1) * rings.len(), 0.0);
+    ///     recurrence.table_into(&rings, &mut table);
+    ///     for (l, row) in (m..).zip(table.chunks_exact(rings.len())) {
+    ///         assert_eq!(row, rings.map(|ring| lambda(l, m, ring)));
+    ///     }
+    /// }
+    /// ```
+    pub fn table_into(&self, colatitudes: &[Colatitude], out: &mut [f64]) {
+        let (n, rows) = (colatitudes.len(), self.steps.len());
+        assert_eq!(out.len(), rows * n, "a table has one entry per degree and colatitude");
+        let Some(last) = rows.checked_sub(1) else {
+            return;
+        };
+        self.for_each_block(self.m..=self.m + last, colatitudes, |l, range, values| {
+            copy_short(values, &mut out[(l - self.m) * n..][range]);
+        });
+    }
+
+    /// Calls `visit(l, range, values)` for every degree `l` in `degrees` and every block of
+    /// consecutive colatitudes, where `values[i]` is `lambda_lm` at `colatitudes[range.start + i]`.
+    ///
+    /// All degrees of a block, in ascending order, precede those of the next. A block has 48
+    /// colatitudes, the last one of a list up to 48. The values equal those of
+    /// [`lambda`](crate::lambda), which is the same on every processor.
+    ///
+    /// # Panics
+    ///
+    /// Panics if a degree is not in `m..=lmax`.
+    ///
+    /// # Performance
+    ///
+    /// `O((l - m + log m) n)` for `n` colatitudes and the largest degree `l`; no allocation. The
+    /// recurrence runs in the registers of the processor, one colatitude per lane, more than 10
+    /// times as fast as [`column_into`](Self::column_into): with AVX2 a degree takes 0.25 ns per
+    /// colatitude, and 0.2 ns more if it is visited. A list of a few colatitudes takes as long as
+    /// one of 24.
+    ///
+    /// # Examples
+    ///
+    /// The integral of `lambda_lm^2` over the sphere is 1, by Gauss-Legendre quadrature:
+    ///
+    /// ```
+    /// use std::f64::consts::TAU;
+    ///
+    /// use sphvar_sh::{Colatitude, GaussLegendre, Recurrence};
+    ///
+    /// let (m, lmax) = (40, 100);
+    /// let rule = GaussLegendre::new(lmax + 1)?;
+    /// let rings: Vec<_> = (rule.nodes().iter())
+    ///     .map(|x| Colatitude::from_theta(x.acos()))
+    ///     .collect::<Result<_, _>>()?;
+    /// let mut norms = vec![0.0; lmax + 1 - m];
+    /// Recurrence::new(m, lmax).for_each_block(m..=lmax, &rings, |l, range, values| {
+    ///     for (value, weight) in values.iter().zip(&rule.weights()[range]) {
+    ///         norms[l - m] += TAU * weight * value * value;
+    ///     }
+    /// });
+    /// assert!(norms.iter().all(|norm| (norm - 1.0).abs() < 1e-12));
+    /// # Ok::<(), sphvar_sh::Error>(())
+    /// ```
+    pub fn for_each_block(
+        &self,
+        degrees: RangeInclusive<usize>,
+        colatitudes: &[Colatitude],
+        visit: impl FnMut(usize, Range<usize>, &[f64]),
+    ) {
+        if degrees.is_empty() {
+            return;
+        }
+        let first = degrees.start().checked_sub(self.m);
+        let last = degrees.end().checked_sub(self.m).filter(|&last| last < self.steps.len());
+        let (Some(first), Some(last)) = (first, last) else {
+            panic!(
+                "degrees {degrees:?} are not among the {} of order {} from {} on",
+                self.steps.len(),
+                self.m,
+                self.m
+            );
+        };
+        let visited = first..last + 1;
+        Arch::new().dispatch(Blocks { recurrence: self, visited, colatitudes, visit });
+    }
+}
+
+/// Copies slices of equal length without a call.
+#[inline(always)]
+fn copy_short(from: &[f64], to: &mut [f64]) {
+    let ((from, from_rest), (to, to_rest)) = (from.as_chunks::<16>(), to.as_chunks_mut::<16>());
+    for (from, to) in from.iter().zip(to) {
+        *to = *from;
+    }
+    for (from, to) in from_rest.iter().zip(to_rest) {
+        *to = *from;
+    }
 }
 
 /// Binary digits of one scaling of a [`State`].
 const BLOCK: i64 = 512;
 /// `2^-BLOCK`.
-const BLOCK_FACTOR: f64 = f64::from_bits((1023 - BLOCK.cast_unsigned()) << 52);
+pub(crate) const BLOCK_FACTOR: f64 = f64::from_bits((1023 - BLOCK.cast_unsigned()) << 52);
 
 /// The state of the recurrence: `lambda_lm = value * 2^(-BLOCK blocks)`, and the difference in the
 /// same scale.
@@ -147,9 +302,9 @@ const BLOCK_FACTOR: f64 = f64::from_bits((1023 - BLOCK.cast_unsigned()) << 52);
 /// difference, which is negligible where it underflows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct State {
-    value: f64,
+    pub(crate) value: f64,
     difference: f64,
-    blocks: i64,
+    pub(crate) blocks: i64,
 }
 
 impl State {

@@ -274,7 +274,132 @@ fn invalid_input_is_an_error() {
     assert!((y.norm() / amplitude - 1.0).abs() < 8.0 * f64::EPSILON, "{y}");
 }
 
+/// Returns the value of each degree and colatitude that the visitor was called with, and checks
+/// that it was called once for each, block by block.
+fn visited(
+    recurrence: &Recurrence,
+    degrees: core::ops::RangeInclusive<usize>,
+    colatitudes: &[Colatitude],
+) -> Vec<Vec<f64>> {
+    let mut rows = vec![Vec::new(); degrees.clone().count()];
+    recurrence.for_each_block(degrees.clone(), colatitudes, |l, range, values| {
+        let row = &mut rows[l - degrees.start()];
+        assert_eq!(row.len(), range.start, "l = {l}");
+        assert_eq!(range.len(), values.len(), "l = {l}");
+        row.extend_from_slice(values);
+    });
+    rows
+}
+
+/// The reference is the column of each colatitude by itself.
+#[test]
+#[expect(clippy::float_cmp, reason = "the same operations")]
+fn lists_of_colatitudes_are_bit_identical_to_single_ones() {
+    let mut thetas = vec![
+        0.0,
+        5e-324,
+        f64::MIN_POSITIVE,
+        1e-300,
+        1e-160,
+        1e-154,
+        1e-15,
+        1e-8,
+        1e-3,
+        FRAC_PI_2.next_down(),
+        FRAC_PI_2,
+        FRAC_PI_2.next_up(),
+        PI - 1e-15,
+        PI.next_down(),
+        PI,
+    ];
+    thetas.extend((1..85).map(|i| PI * (f64::from(i) / 85.0)));
+    let colatitudes: Vec<_> =
+        thetas.iter().map(|&theta| Colatitude::from_theta(theta).unwrap()).collect();
+    let n = colatitudes.len();
+    for (m, lmax) in [
+        (0, 0),
+        (0, 90),
+        (1, 50),
+        (7, 7),
+        (15, 31),
+        (16, 47),
+        (300, 1000),
+        (999, 1000),
+        (5000, 7000),
+        (20000, 20100),
+        (MAX_DEGREE - 40, MAX_DEGREE),
+    ] {
+        let recurrence = Recurrence::new(m, lmax);
+        let mut table = vec![f64::NAN; (lmax + 1 - m) * n];
+        recurrence.table_into(&colatitudes, &mut table);
+        let mut column = vec![f64::NAN; lmax + 1 - m];
+        for (i, (&c, theta)) in colatitudes.iter().zip(&thetas).enumerate() {
+            recurrence.column_into(c, &mut column);
+            for (row, value) in column.iter().enumerate() {
+                let got = table[row * n + i];
+                assert_eq!(got, *value, "m = {m}, l = {}, theta = {theta:e}", m + row);
+            }
+        }
+        let mut last = vec![f64::NAN; n];
+        recurrence.degree_into(lmax, &colatitudes, &mut last);
+        assert_eq!(last, table[(lmax - m) * n..], "m = {m}");
+        // Ranges that start and end at odd and even degrees, within a span of steps and beyond it.
+        for degrees in [m..=lmax, m..=m, lmax..=lmax, m + 1..=lmax, m + 18..=m + 23, m + 5..=m + 4]
+        {
+            if !degrees.is_empty() && *degrees.end() <= lmax {
+                let rows = visited(&recurrence, degrees.clone(), &colatitudes);
+                assert_eq!(rows.concat(), table[(degrees.start() - m) * n..][..rows.len() * n]);
+            }
+        }
+    }
+}
+
+#[test]
+fn colatitudes_that_are_not_a_number_affect_no_others() {
+    let c = Colatitude::from_theta(1.0).unwrap();
+    let mut list = vec![c; 50];
+    list[3] = Colatitude::from_direction(DVec3::NAN);
+    let mut values = vec![0.0; 50];
+    Recurrence::new(30, 100).degree_into(100, &list, &mut values);
+    let expected = lambda(100, 30, c).to_bits();
+    assert!(values[3].is_nan());
+    values.remove(3);
+    assert!(values.iter().all(|value| value.to_bits() == expected));
+}
+
+#[test]
+fn empty_lists_and_recurrences_have_no_values() {
+    let c = Colatitude::from_theta(1.0).unwrap();
+    let recurrence = Recurrence::new(3, 10);
+    recurrence.table_into(&[], &mut []);
+    recurrence.degree_into(10, &[], &mut []);
+    Recurrence::new(3, 2).table_into(&[c], &mut []);
+    Recurrence::default().table_into(&[c], &mut []);
+    #[expect(clippy::reversed_empty_ranges, reason = "an empty range")]
+    recurrence.for_each_block(5..=4, &[c], |_, _, _| panic!("called"));
+}
+
+#[test]
+#[should_panic(expected = "degrees 3..=11 are not among the 8 of order 3 from 3 on")]
+fn degrees_beyond_the_recurrence_panic() {
+    let c = Colatitude::from_theta(1.0).unwrap();
+    Recurrence::new(3, 10).for_each_block(3..=11, &[c], |_, _, _| {});
+}
+
 proptest! {
+    #[test]
+    #[expect(clippy::float_cmp, reason = "the same operations")]
+    fn lists_of_any_length_are_bit_identical_to_single_values(
+        thetas in prop::collection::vec(colatitude(), 0..110), m in 0..2000_usize, n in 0..40_usize,
+    ) {
+        let list: Vec<_> = thetas.iter().map(|&t| Colatitude::from_theta(t).unwrap()).collect();
+        let mut values = vec![f64::NAN; list.len()];
+        Recurrence::new(m, m + n).degree_into(m + n, &list, &mut values);
+        for (i, (&c, value)) in list.iter().zip(values).enumerate() {
+            prop_assert_eq!(value, lambda(m + n, m, c), "theta = {:e}, at {} of {}", thetas[i], i, list.len());
+        }
+    }
+
     #[test]
     fn addition_theorem_for_two_directions(a in direction(), b in direction(), l in 0..60_usize) {
         let sum: Complex<f64> =
