@@ -108,12 +108,13 @@ impl CircleTransform {
         }
         let n = design.cells(kmax);
         let twiddle = |k: usize| Complex::from_polar(1.0, -TAU * (k as f64 / n as f64));
+        let table = design.window.table();
         Ok(Self {
             kmax,
             epsilon,
             arch,
-            locator: Locator::new([n; 2], 1, design.window.width()),
-            table: design.window.table(),
+            locator: Locator::new([n; 2], 1, &table),
+            table,
             correction: design.window.transform(n, kmax).into_iter().map(f64::recip).collect(),
             twiddles: (0..=kmax).map(twiddle).collect(),
             fft: f64::fourier_plan(n / 2, FftDirection::Forward),
@@ -225,7 +226,7 @@ impl<R: Real> WithSimd for Spread<'_, R> {
 
 impl<R: Real> ByWidth for Spread<'_, R> {
     #[inline(always)]
-    fn run<const P: usize, const FUSED: bool>(self) {
+    fn run<const P: usize, const H: usize, const FUSED: bool>(self) {
         let Self { transform, points, weights, scale, grid, rests } = self;
         let CircleTransform { locator, table, .. } = transform;
         for (chunk, points) in points.chunks(LANES).enumerate() {
@@ -237,11 +238,11 @@ impl<R: Real> ByWidth for Spread<'_, R> {
             let (first, t) = locator.windows::<true>(&turns, locator.cells[1]);
             let weights = weights.map(|w| &w[chunk * LANES..]);
             for pair in (0..points.len()).step_by(2) {
-                let windows = table.evaluate::<P, FUSED>([t[pair], t[pair + 1]]);
+                let windows = table.evaluate::<P, H, FUSED>([t[pair], t[pair + 1]]);
                 for (i, window) in (pair..points.len()).zip(&windows) {
                     let weight = weights.map_or(scale, |w| w[i].to_f64() * scale);
                     let terms = window.map(|value| value * weight);
-                    let place = first[i] as usize;
+                    let place = first[i] as usize - table.pad();
                     add_with_rests(&mut grid[place..][..P], &mut rests[place..][..P], &terms);
                 }
             }

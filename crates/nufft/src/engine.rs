@@ -9,6 +9,7 @@ use crate::magnitude::{magnitude, magnitude_of, magnitude_of_complex};
 use crate::memory::resize;
 use crate::real::Real;
 use crate::spreading::Spreading;
+use crate::threads::Threads;
 
 /// The transforms of both types with grids of type `T`.
 #[derive(Clone)]
@@ -37,9 +38,8 @@ impl<T: Real> Engine<T> {
     }
 
     fn reserve(&self, points: usize, grids: usize, scratch: &mut Scratch<T>) -> Result<(), Error> {
-        scratch.cells.reserve(points)?;
+        scratch.cells.reserve(points, Threads::Caller)?;
         resize(scratch.fourier.spectra(), self.fourier.spectra_len())?;
-        scratch.grids.clear();
         resize(&mut scratch.grids, grids * self.spreading.grid_len())
     }
 
@@ -54,8 +54,15 @@ impl<T: Real> Engine<T> {
         self.reserve(points.len(), 1, scratch)?;
         let Scratch { cells, grids, fourier, .. } = scratch;
         let size = weights.map_or(1.0, magnitude_of);
-        self.spreading.locate(self.arch, &Points(points), weights, 1.0 / size, cells);
-        self.spreading.spread(self.arch, cells, grids);
+        self.spreading.locate(
+            self.arch,
+            &Points(points),
+            weights,
+            1.0 / size,
+            Threads::Caller,
+            cells,
+        );
+        self.spreading.spread(self.arch, cells, Threads::Caller, grids);
         self.fourier.run(self.arch, grids, &self.spreading, size, fourier, out);
         Ok(())
     }
@@ -76,13 +83,14 @@ impl<T: Real> Engine<T> {
         for (j, scaled) in weights.iter_mut().enumerate().take(points.len()) {
             *scaled = [0, 1].map(|b| T::of(weight(j, b) * (1.0 / sizes[b])));
         }
-        self.spreading.locate::<R>(self.arch, &Points(points), None, 1.0, cells);
+        self.spreading.locate::<R>(self.arch, &Points(points), None, 1.0, Threads::Caller, cells);
         let (first, second) = grids.split_at_mut(self.spreading.grid_len());
         let mut grids = [first, second];
         self.spreading.spread_together(
             self.arch,
             cells,
             Some(weights),
+            Threads::Caller,
             grids.each_mut().map(|g| &mut **g),
         );
         for ((grid, size), out) in grids.into_iter().zip(sizes).zip(outs) {
@@ -102,7 +110,7 @@ impl<T: Real> Engine<T> {
     ) -> Result<(), Error> {
         let sizes = self.synthesise(series, points, scratch)?;
         let Scratch { cells, grids, .. } = scratch;
-        self.spreading.interpolate(self.arch, cells, grids, &sizes, out);
+        self.spreading.interpolate(self.arch, cells, grids, &sizes, Threads::Caller, out);
         Ok(())
     }
 
@@ -116,7 +124,14 @@ impl<T: Real> Engine<T> {
     ) -> Result<(), Error> {
         let sizes = self.synthesise(&[series], points, scratch)?;
         let Scratch { cells, grids, .. } = scratch;
-        self.spreading.interpolate_gradient(self.arch, cells, grids, sizes[0], out);
+        self.spreading.interpolate_gradient(
+            self.arch,
+            cells,
+            grids,
+            sizes[0],
+            Threads::Caller,
+            out,
+        );
         Ok(())
     }
 
@@ -129,7 +144,7 @@ impl<T: Real> Engine<T> {
     ) -> Result<Vec<f64>, Error> {
         self.reserve(points.len(), series.len(), scratch)?;
         let Scratch { cells, grids, fourier, .. } = scratch;
-        self.spreading.locate::<R>(self.arch, &Points(points), None, 1.0, cells);
+        self.spreading.locate::<R>(self.arch, &Points(points), None, 1.0, Threads::Caller, cells);
         let grids = grids.chunks_exact_mut(self.spreading.grid_len());
         let grid_of = |(coefficients, grid): (&&[Complex<C>], &mut [T])| {
             let size = magnitude_of_complex(coefficients);

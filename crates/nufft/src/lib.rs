@@ -44,6 +44,7 @@ mod polynomial;
 mod real;
 mod sizes;
 mod spreading;
+mod threads;
 mod transform;
 mod window;
 
@@ -67,6 +68,7 @@ pub mod parts {
     pub use crate::real::Real;
     pub use crate::sizes::good_size;
     pub use crate::spreading::Spreading;
+    pub use crate::threads::{Threads, share, zip_all};
     pub use crate::window::{Window, WindowTable};
     pub use rustfft::{Fft, FftDirection};
 }

@@ -7,6 +7,8 @@ use rustfft::{Fft, FftDirection, FftNum, FftPlanner};
 pub trait Real: FftNum + Default + AddAssign {
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
+    /// The number of lanes of a 256-bit register.
+    const LANES: usize;
 
     /// Returns the nearest number of this type.
     fn of(x: f64) -> Self;
@@ -23,6 +25,7 @@ pub trait Real: FftNum + Default + AddAssign {
 
 impl Real for f32 {
     const EPSILON: f64 = Self::EPSILON as f64;
+    const LANES: usize = 8;
 
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is intended")]
@@ -48,6 +51,7 @@ impl Real for f32 {
 
 impl Real for f64 {
     const EPSILON: Self = Self::EPSILON;
+    const LANES: usize = 4;
 
     #[inline(always)]
     fn of(x: f64) -> Self {

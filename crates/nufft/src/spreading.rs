@@ -5,9 +5,10 @@ use pulp::{Arch, Simd};
 
 use crate::cells::{Cells, Locator, Places};
 use crate::real::Real;
+use crate::threads::{Threads, share, zip_all};
 use crate::window::{MAX_WIDTH, Window, WindowTable};
 use interpolate::{Interpolate, InterpolateGradient};
-use spread::Spread;
+use spread::{BAND_ROWS, Spread, SpreadScratch};
 
 /// Spreads points onto a grid with the window, and interpolates grid values at points.
 ///
@@ -27,9 +28,13 @@ impl<T: Real> Spreading<T> {
     /// rows between its margins, for accuracy `epsilon`.
     pub fn new(cells: [usize; 2], rows: usize, window: Window, epsilon: f64) -> Self {
         // If all rounding errors have the same sign, they amount to half this number times EPSILON.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 64")]
-        let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
-        Self { locator: Locator::new(cells, rows, window.width()), table: window.table(), run }
+        // More than 64, for which sums are exact enough at any accuracy, take a 40th of epsilon.
+        let units = epsilon / T::EPSILON;
+        let run = units.clamp(16.0, 64.0).max((0.05 * units).min(256.0));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 256")]
+        let run = run as usize;
+        let table = window.table();
+        Self { locator: Locator::new(cells, rows, &table), table, run }
     }
 
     /// Returns the distance between vertically adjacent numbers in memory.
@@ -60,26 +65,59 @@ impl<T: Real> Spreading<T> {
         points: &impl Places,
         weights: Option<&[R]>,
         scale: f64,
+        threads: Threads,
         cells: &mut Cells<T>,
     ) {
-        self.locator.locate(arch, points, weights, scale, cells);
+        self.locator.locate(arch, points, weights, scale, threads, cells);
     }
 
-    /// Adds the points to the grid.
-    pub fn spread(&self, arch: Arch, cells: &Cells<T>, grid: &mut [T]) {
-        self.spread_together(arch, cells, None, [grid]);
+    /// Replaces the grid by the points spread on it.
+    pub fn spread(&self, arch: Arch, cells: &Cells<T>, threads: Threads, grid: &mut [T]) {
+        self.spread_together(arch, cells, None, threads, [grid]);
     }
 
-    /// Adds the points to G grids with different weights, which share the values of the windows.
-    /// `weights` are in the caller's order of points; `None` means those of `cells`.
+    /// Replaces G grids by the points with different weights, which share the values of the
+    /// windows. `weights` are in the caller's order of points; `None` means those of `cells`.
     pub(crate) fn spread_together<const G: usize>(
         &self,
         arch: Arch,
         cells: &Cells<T>,
         weights: Option<&[[T; G]]>,
-        grids: [&mut [T]; G],
+        threads: Threads,
+        mut grids: [&mut [T]; G],
     ) {
-        arch.dispatch(Spread { spreading: self, cells, weights, grids });
+        // A band of rows adds to itself and to the next one. All even bands are spread before all
+        // odd ones, so that bands of the same parity are independent and sums do not depend on the
+        // number of threads.
+        let band_len = BAND_ROWS * self.stride();
+        let spread = |scratch: &mut SpreadScratch<T>, band: usize, grids: [&mut [T]; G]| {
+            arch.dispatch(Spread { spreading: self, cells, weights, band, scratch, grids });
+        };
+        if threads == Threads::Caller {
+            let scratch = &mut SpreadScratch::default();
+            // Every odd band directly after the even bands around it, while they are in the cache.
+            let n_bands = self.locator.n_rows().div_ceil(BAND_ROWS);
+            for even in (0..n_bands + 2).step_by(2) {
+                for band in [Some(even), even.checked_sub(1)].into_iter().flatten() {
+                    let rows = grids.each_mut().map(|grid| {
+                        let end = grid.len().min((band + 2) * band_len);
+                        grid.get_mut(band * band_len..end).unwrap_or_default()
+                    });
+                    spread(scratch, band, rows);
+                }
+            }
+            return;
+        }
+        let mut scratch = Vec::new();
+        threads.resize(&mut scratch);
+        for first in [0, 1] {
+            let bands = grids.each_mut().map(|grid| {
+                let start = grid.len().min(first * band_len);
+                grid[start..].chunks_mut(2 * band_len)
+            });
+            let bands = (first..).step_by(2).zip(zip_all(bands));
+            share(&mut scratch, bands, |scratch, (band, grids)| spread(scratch, band, grids));
+        }
     }
 
     /// Writes the values of several functions at the points. `grids` holds their grids one after
@@ -95,9 +133,14 @@ impl<T: Real> Spreading<T> {
         cells: &Cells<T>,
         grids: &[T],
         sizes: &[f64],
+        threads: Threads,
         out: &mut [R],
     ) {
-        arch.dispatch(Interpolate { spreading: self, cells: cells.sorted(), grids, sizes, out });
+        let len = (cells.part_len() * sizes.len()).max(1);
+        let parts = cells.parts().iter().zip(out.chunks_mut(len));
+        share(&mut vec![(); threads.count()], parts, |(), (part, out)| {
+            arch.dispatch(Interpolate { spreading: self, part, grids, sizes, out });
+        });
     }
 
     /// Writes `size` times the value of a function and its derivatives by both coordinates, per
@@ -108,31 +151,30 @@ impl<T: Real> Spreading<T> {
         cells: &Cells<T>,
         grid: &[T],
         size: f64,
+        threads: Threads,
         out: &mut [[R; 3]],
     ) {
-        let cells = cells.sorted();
-        arch.dispatch(InterpolateGradient { spreading: self, cells, grid, size, out });
+        let parts = cells.parts().iter().zip(out.chunks_mut(cells.part_len().max(1)));
+        share(&mut vec![(); threads.count()], parts, |(), (part, out)| {
+            arch.dispatch(InterpolateGradient { spreading: self, part, grid, size, out });
+        });
     }
 }
 
-/// Work that is compiled for every padded width P of the window, with and without fused
-/// multiply-adds.
+/// Work that is compiled for every padded width P of the window and its half H, with and without
+/// fused multiply-adds.
 pub(crate) trait ByWidth {
-    fn run<const P: usize, const FUSED: bool>(self);
+    fn run<const P: usize, const H: usize, const FUSED: bool>(self);
 }
 
 #[inline(always)]
 pub(crate) fn for_width<S: Simd, W: ByWidth>(padded: usize, work: W) {
     match (padded, S::F64_LANES > 1) {
-        (4, true) => work.run::<4, true>(),
-        (8, true) => work.run::<8, true>(),
-        (12, true) => work.run::<12, true>(),
-        (16, true) => work.run::<16, true>(),
-        (_, true) => work.run::<MAX_WIDTH, true>(),
-        (4, false) => work.run::<4, false>(),
-        (8, false) => work.run::<8, false>(),
-        (12, false) => work.run::<12, false>(),
-        (16, false) => work.run::<16, false>(),
-        (_, false) => work.run::<MAX_WIDTH, false>(),
+        (8, true) => work.run::<8, 4, true>(),
+        (12, true) => work.run::<12, 6, true>(),
+        (_, true) => work.run::<MAX_WIDTH, { MAX_WIDTH / 2 }, true>(),
+        (8, false) => work.run::<8, 4, false>(),
+        (12, false) => work.run::<12, 6, false>(),
+        (_, false) => work.run::<MAX_WIDTH, { MAX_WIDTH / 2 }, false>(),
     }
 }

@@ -2,13 +2,13 @@ use std::fmt;
 
 use glam::DVec3;
 use pulp::Arch;
-use sphvar_nufft::parts::Design;
+use sphvar_nufft::parts::{Design, Threads};
 use sphvar_sh::{Alm, Error};
 
 use crate::engine::{Engine, Scratch};
 use crate::generators::{RotationDerivatives, tangent_gradients};
 use crate::legendre::ValueRange;
-use crate::{RingTransform, RingWorkspace};
+use crate::{Method, RingTransform};
 
 /// Fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
 /// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the
@@ -25,14 +25,20 @@ use crate::{RingTransform, RingWorkspace};
 /// # Performance
 ///
 /// The cost is O(N log^2(1/epsilon) + L^3), compared with O(N L^2) of
-/// [`ExactTransform`](crate::ExactTransform). Calls do not allocate once the workspace has been
-/// used for inputs of the same size.
+/// [`ExactTransform`](crate::ExactTransform). Calls on one thread do not allocate once the
+/// workspace has been used for inputs of the same size.
+///
+/// A workspace of [`FastWorkspace::parallel`] divides each stage among the threads of the current
+/// rayon pool: points and rows of tiles, rows of the grid, and blocks of eight orders.
 #[derive(Clone)]
 pub struct FastTransform {
     rings: RingTransform,
     design: Design,
     engine: Precision,
 }
+
+/// The minimum nominal work of a call that is divided among threads, about a millisecond.
+const MIN_SHARED_WORK: f64 = 2e4;
 
 #[derive(Clone)]
 enum Precision {
@@ -55,12 +61,23 @@ impl fmt::Debug for FastTransform {
 }
 
 /// Workspace of [`FastTransform`]; grows to the largest input so far.
+///
+/// A default workspace uses the caller's thread, for callers that divide many sets among threads.
 #[derive(Debug, Default)]
 pub struct FastWorkspace {
-    rings: RingWorkspace,
+    threads: Threads,
     single: Scratch<f32>,
     double: Scratch<f64>,
     derivatives: Option<RotationDerivatives>,
+}
+
+impl FastWorkspace {
+    /// Returns a workspace for transforms of one set, or a batch of few, on all threads of the
+    /// current rayon pool. Results are bit-identical for any number of threads.
+    #[must_use]
+    pub fn parallel() -> Self {
+        Self { threads: Threads::Pool, ..Self::default() }
+    }
 }
 
 impl FastTransform {
@@ -172,11 +189,14 @@ impl FastTransform {
             let n_weights = weights.map_or(points.len(), <[f64]>::len);
             assert_eq!(n_weights, points.len(), "one weight per point");
         }
-        let FastWorkspace { rings, single, double, .. } = workspace;
-        match &self.engine {
-            Precision::Single(engine) => engine.adjoint(&self.rings, sets, rings, single, outs),
-            Precision::Double(engine) => engine.adjoint(&self.rings, sets, rings, double, outs),
-        }
+        let n_points = sets.iter().map(|(points, _)| points.len()).sum();
+        let threads = self.threads(workspace, n_points, sets.len());
+        let FastWorkspace { single, double, .. } = workspace;
+        let rings = &self.rings;
+        threads.enter(|| match &self.engine {
+            Precision::Single(engine) => engine.adjoint(rings, sets, threads, single, outs),
+            Precision::Double(engine) => engine.adjoint(rings, sets, threads, double, outs),
+        });
     }
 
     /// Writes the values of the real function with coefficients `alm` at the points.
@@ -258,23 +278,32 @@ impl FastTransform {
         workspace.derivatives = Some(derivatives);
     }
 
+    /// Returns the threads for a call: only the caller's if there is little work, which would take
+    /// less time than to wake others.
+    fn threads(&self, workspace: &FastWorkspace, n_points: usize, n_sets: usize) -> Threads {
+        let grids = Method::Fast.nominal_work(0, self.lmax()) * n_sets as f64;
+        if n_points as f64 + grids < MIN_SHARED_WORK { Threads::Caller } else { workspace.threads }
+    }
+
     fn values_by_point<'w>(
         &self,
         alms: &[&Alm],
         points: &[DVec3],
         workspace: &'w mut FastWorkspace,
     ) -> &'w [f64] {
-        let FastWorkspace { rings, single, double, .. } = workspace;
-        match &self.engine {
+        let threads = self.threads(workspace, points.len(), alms.len());
+        let FastWorkspace { single, double, .. } = workspace;
+        let rings = &self.rings;
+        threads.enter(|| match &self.engine {
             Precision::Single(engine) => {
-                engine.synthesis(&self.rings, alms, points, rings, single);
+                engine.synthesis(rings, alms, points, threads, single);
                 single.values()
             }
             Precision::Double(engine) => {
-                engine.synthesis(&self.rings, alms, points, rings, double);
+                engine.synthesis(rings, alms, points, threads, double);
                 double.values()
             }
-        }
+        })
     }
 }
 

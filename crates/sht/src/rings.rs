@@ -25,10 +25,73 @@ pub struct RingTransform {
 /// Workspace of [`RingTransform`]; grows to the largest input so far.
 #[derive(Clone, Debug, Default)]
 pub struct RingWorkspace {
+    worker: RingWorker,
+    fourier: Vec<Complex<f64>>,
+}
+
+/// What a thread needs to process orders, in increasing order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RingWorker {
     lanes: Lanes,
+    /// The number of orders that the lanes have passed.
+    orders: usize,
     order: Order,
     columns: Columns,
-    fourier: Vec<Complex<f64>>,
+}
+
+impl RingWorker {
+    /// Loads the rings at `colatitudes` for a transform.
+    pub(crate) fn load(
+        &mut self,
+        transform: &RingTransform,
+        colatitudes: impl Iterator<Item = Colatitude>,
+    ) {
+        self.lanes.load(colatitudes, transform.lmax(), transform.range);
+        self.orders = 0;
+    }
+
+    /// Loads the rings that another worker has loaded and not yet used.
+    pub(crate) fn load_from(&mut self, other: &Self) {
+        self.lanes.clone_from(&other.lanes);
+        self.orders = other.orders;
+    }
+
+    /// Advances to order `m`, which must not be below earlier ones.
+    fn advance(&mut self, transform: &RingTransform, m: usize) {
+        for order in self.orders..=m {
+            self.lanes.start_order(transform.arch, order);
+        }
+        self.orders = m + 1;
+        self.order.fill(transform.arch, m, transform.lmax());
+    }
+
+    /// Replaces `outs`, the coefficients of order `m` of up to `FUNCTIONS` functions, by those of
+    /// the ring values `f_m` of function b at `values[b * n_rings..]`.
+    pub(crate) fn adjoint(
+        &mut self,
+        transform: &RingTransform,
+        m: usize,
+        values: &[Complex<f64>],
+        outs: &mut [&mut [Complex<f64>]],
+    ) {
+        self.advance(transform, m);
+        let Self { lanes, order, columns: scratch, .. } = self;
+        Adjoint { lanes, order, m, values, scratch, outs }.run(transform.arch);
+    }
+
+    /// Replaces the ring values of order `m` by those of up to `FUNCTIONS` functions: the transpose
+    /// of [`Self::adjoint`].
+    pub(crate) fn synthesis(
+        &mut self,
+        transform: &RingTransform,
+        m: usize,
+        alms: &[&Alm],
+        values: &mut [Complex<f64>],
+    ) {
+        self.advance(transform, m);
+        let Self { lanes, order, columns: scratch, .. } = self;
+        Synthesis { lanes, order, m, alms, scratch, values }.run(transform.arch);
+    }
 }
 
 impl RingTransform {
@@ -44,6 +107,11 @@ impl RingTransform {
     /// Returns the transform for a given instruction set and a given range of significant values.
     pub(crate) fn with_arch(lmax: usize, arch: Arch, range: ValueRange) -> Result<Self, Error> {
         Ok(Self { arch, index: LmIndex::new(lmax)?, range })
+    }
+
+    /// Returns the layout of the coefficients.
+    pub(crate) fn index(&self) -> LmIndex {
+        self.index
     }
 
     /// Returns the maximum degree, inclusive.
@@ -91,18 +159,24 @@ impl RingTransform {
         for out in &*outs {
             assert_eq!(out.lmax(), self.lmax(), "coefficients with a different lmax");
         }
-        let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
-        lanes.load(colatitudes, self.lmax(), self.range);
-        let n_rings = lanes.n_rings();
+        let RingWorkspace { worker, fourier: values } = workspace;
+        worker.load(self, colatitudes);
+        let n_rings = worker.lanes.n_rings();
         values.clear();
         values.resize(n_rings * outs.len(), Complex::ZERO);
         for m in 0..=self.lmax() {
             fourier(m, values);
-            lanes.start_order(self.arch, m);
-            order.fill(self.arch, m, self.lmax());
+            worker.advance(self, m);
             for (group, outs) in outs.chunks_mut(FUNCTIONS).enumerate() {
                 let first = group * FUNCTIONS * n_rings;
                 let values = &values[first..first + outs.len() * n_rings];
+                let n_functions = outs.len();
+                let mut columns: [&mut [Complex<f64>]; FUNCTIONS] = Default::default();
+                for (column, out) in columns.iter_mut().zip(outs) {
+                    *column = out.column_mut(m);
+                }
+                let outs = &mut columns[..n_functions];
+                let RingWorker { lanes, order, columns: scratch, .. } = &mut *worker;
                 Adjoint { lanes, order, m, values, scratch, outs }.run(self.arch);
             }
         }
@@ -124,17 +198,17 @@ impl RingTransform {
         for alm in alms {
             assert_eq!(alm.lmax(), self.lmax(), "coefficients with a different lmax");
         }
-        let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
-        lanes.load(colatitudes, self.lmax(), self.range);
-        let n_rings = lanes.n_rings();
+        let RingWorkspace { worker, fourier: values } = workspace;
+        worker.load(self, colatitudes);
+        let n_rings = worker.lanes.n_rings();
         values.clear();
         values.resize(n_rings * alms.len(), Complex::ZERO);
         for m in 0..=self.lmax() {
-            lanes.start_order(self.arch, m);
-            order.fill(self.arch, m, self.lmax());
+            worker.advance(self, m);
             for (group, alms) in alms.chunks(FUNCTIONS).enumerate() {
                 let first = group * FUNCTIONS * n_rings;
                 let values = &mut values[first..first + alms.len() * n_rings];
+                let RingWorker { lanes, order, columns: scratch, .. } = &mut *worker;
                 Synthesis { lanes, order, m, alms, scratch, values }.run(self.arch);
             }
             emit(m, values);

@@ -1,5 +1,5 @@
 use std::f64::consts::PI;
-use std::ops::{AddAssign, Range};
+use std::ops::AddAssign;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -11,6 +11,9 @@ use sphvar_sh::Colatitude;
 /// Number of orders whose columns are transformed together, so that they share cache lines.
 pub(crate) const ORDERS: usize = 8;
 
+/// Number of rows of the grid whose spectra are stored together, an even number.
+pub(crate) const ROWS: usize = 16;
+
 /// Fourier transforms between a grid and the rings of the Legendre stage, in both directions.
 ///
 /// The sphere covers the torus twice, theta in [0, 2 pi), where a function of degree L is a
@@ -18,7 +21,10 @@ pub(crate) const ORDERS: usize = 8;
 /// odd m. Two rows of the grid, and two columns of different parity, share one complex transform.
 ///
 /// The grid holds the function convolved with the window. *Spectra* are the Fourier coefficients in
-/// phi of every row from pole to pole, indexed by block of `ORDERS` orders, row, and order.
+/// phi of every row from pole to pole, in blocks of `ORDERS` orders. Those of the adjoint are
+/// indexed by group of `ROWS` rows, block, row within the group, and order within the block; those
+/// of the synthesis by block, row, and order. Stages that write them thus write contiguous memory,
+/// which threads can divide.
 #[derive(Clone)]
 pub(crate) struct Torus<T> {
     lmax: usize,
@@ -107,20 +113,30 @@ impl<T: Real> Torus<T> {
         self.n_theta / 2 + 1
     }
 
-    /// Returns the length of the spectra of one set or function.
-    pub(crate) fn spectra_len(&self) -> usize {
-        self.n_rows() * self.phi_correction.len()
+    /// Returns the length of the spectra of a group of `ROWS` rows, in the adjoint.
+    pub(crate) fn group_len(&self) -> usize {
+        ROWS * self.phi_correction.len()
     }
 
-    /// Returns the block of the spectra with the orders from `first`.
-    fn block(&self, first: usize) -> Range<usize> {
-        let start = first * self.n_rows();
-        start..start + ORDERS * self.n_rows()
+    /// Returns the length of the spectra of one block of orders, in the synthesis.
+    pub(crate) fn block_len(&self) -> usize {
+        self.n_rows() * ORDERS
+    }
+
+    /// Returns the length of the spectra of one set or function.
+    pub(crate) fn spectra_len(&self) -> usize {
+        self.n_rows().next_multiple_of(ROWS) * self.phi_correction.len()
     }
 
     /// Runs one stage.
-    pub(crate) fn run(&self, arch: Arch, stage: Stage<'_, T>, scratch: &mut TorusScratch<T>) {
-        arch.dispatch(Run { torus: self, stage, scratch });
+    pub(crate) fn run(
+        &self,
+        arch: Arch,
+        layout: Layout,
+        stage: Stage<'_, T>,
+        scratch: &mut TorusScratch<T>,
+    ) {
+        arch.dispatch(Run { torus: self, layout, stage, scratch });
     }
 
     fn prepare(&self, scratch: &mut TorusScratch<T>) {
@@ -133,33 +149,39 @@ impl<T: Real> Torus<T> {
         scratch.rings.resize(self.n_rings * ORDERS / 2, Complex::default());
     }
 
-    /// Computes the spectra of a grid that points were spread on. Overwrites the grid.
+    /// Computes the spectra of a group of rows of a grid that points were spread on, from row
+    /// `first` on, a multiple of `ROWS`. Overwrites the rows, which begin at their margins.
     #[inline(always)]
     fn analyse_rows(
         &self,
-        grid: &mut [T],
+        first: usize,
+        rows: &mut [T],
         layout: Layout,
         spectra: &mut [Complex<T>],
         scratch: &mut TorusScratch<T>,
     ) {
         self.prepare(scratch);
-        self.fold(grid, layout);
         let TorusScratch { pair, fft, .. } = scratch;
         let (n, half) = (self.n_phi, T::of(0.5));
-        let block_len = self.n_rows() * ORDERS;
+        let Layout { stride, margin } = layout;
         let corrections = self.phi_correction.as_chunks::<ORDERS>().0;
-        let rows = grid[layout.margin * layout.stride..].chunks(2 * layout.stride);
-        for (first, rows) in (0..self.n_rows()).step_by(2).zip(rows) {
-            let (one, other) = rows.split_at(layout.stride);
+        let n_rows = ROWS.min(self.n_rows() - first);
+        for (i, rows) in (0..n_rows).step_by(2).zip(rows.chunks_mut(2 * stride)) {
+            for (i, row) in (i..n_rows).zip(rows.chunks_exact_mut(stride)) {
+                if !self.is_near_pole(first + i, layout) {
+                    self.fold_row(row, layout);
+                }
+            }
+            let (one, other) = rows.split_at(stride);
             // For an odd number of rows, the row after the last was already folded onto another.
-            let values = one[layout.margin..].iter().zip(&other[layout.margin..]);
+            let is_last = i + 1 == n_rows;
+            let values = one[margin..].iter().zip(&other[margin..]);
             for (z, (&re, &im)) in pair[..n].iter_mut().zip(values) {
                 *z = Complex { re, im };
             }
             self.phi_forward.process_with_scratch(&mut pair[..n], fft);
             pair[n] = pair[0];
             // The transform of a + i b at m and n - m separates into those of the real a and b.
-            let last = first + 1 == self.n_rows();
             for (block, corrections) in corrections.iter().enumerate() {
                 let m = block * ORDERS;
                 let here = &pair[m..m + ORDERS];
@@ -173,25 +195,39 @@ impl<T: Real> Torus<T> {
                     a[i] = (here + there) * factor;
                     b[i] = Complex { re: difference.im, im: -difference.re } * factor;
                 }
-                let place = &mut spectra[block * block_len + first * ORDERS..];
+                let place = &mut spectra[(block * ROWS + i) * ORDERS..][..2 * ORDERS];
                 place[..ORDERS].copy_from_slice(&a);
-                if !last {
-                    place[ORDERS..2 * ORDERS].copy_from_slice(&b);
+                if !is_last {
+                    place[ORDERS..].copy_from_slice(&b);
                 }
             }
         }
     }
 
-    /// Adds values beyond the ends of a row to its opposite end, and rows beyond a pole to the rows
-    /// of the same theta, shifted by half a turn.
+    /// Adds values beyond the ends of a row to its opposite end.
     #[inline(always)]
-    fn fold(&self, grid: &mut [T], layout: Layout) {
+    fn fold_row(&self, row: &mut [T], layout: Layout) {
+        let (before, rest) = row.split_at_mut(layout.margin);
+        let (body, after) = rest.split_at_mut(self.n_phi);
+        add(&mut body[self.n_phi - layout.margin..], before);
+        add(body, after);
+    }
+
+    /// Returns whether [`Self::fold_poles`] folds a row.
+    #[inline(always)]
+    fn is_near_pole(&self, row: usize, layout: Layout) -> bool {
+        row <= layout.margin || row + layout.margin >= self.n_theta / 2
+    }
+
+    /// Folds the rows near the poles, and adds rows beyond a pole to the rows of the same theta,
+    /// shifted by half a turn.
+    #[inline(always)]
+    fn fold_poles(&self, grid: &mut [T], layout: Layout) {
         let (n, Layout { stride, margin }) = (self.n_phi, layout);
-        for row in grid.chunks_exact_mut(stride) {
-            let (before, rest) = row.split_at_mut(margin);
-            let (body, after) = rest.split_at_mut(n);
-            add(&mut body[n - margin..], before);
-            add(body, after);
+        for (row, values) in grid.chunks_exact_mut(stride).enumerate() {
+            if row.checked_sub(margin).is_none_or(|row| self.is_near_pole(row, layout)) {
+                self.fold_row(values, layout);
+            }
         }
         self.for_mirrored_rows(layout, |beyond, within| {
             let (first, second) = grid.split_at_mut(beyond.max(within) * stride);
@@ -213,31 +249,33 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// Fills the whole grid: the transpose of [`Self::analyse_rows`].
+    /// Fills rows of a grid from row `first` on, up to `ROWS`: the transpose of
+    /// [`Self::analyse_rows`].
     #[inline(always)]
     fn synthesise_rows(
         &self,
+        first: usize,
         spectra: &[Complex<T>],
-        grid: &mut [T],
+        rows: &mut [T],
         layout: Layout,
         scratch: &mut TorusScratch<T>,
     ) {
         self.prepare(scratch);
         let TorusScratch { pair, fft, .. } = scratch;
-        let n = self.n_phi;
-        let block_len = self.n_rows() * ORDERS;
+        let (n, Layout { stride, margin }) = (self.n_phi, layout);
         let corrections = self.phi_correction.as_chunks::<ORDERS>().0;
-        let rows = grid[layout.margin * layout.stride..].chunks_mut(2 * layout.stride);
-        for (first, rows) in (0..self.n_rows()).step_by(2).zip(rows) {
+        let end = self.n_rows().min(first + ROWS);
+        for (row, rows) in (first..end).step_by(2).zip(rows.chunks_mut(2 * stride)) {
             pair.fill(Complex::default());
-            let last = first + 1 == self.n_rows();
-            for (block, corrections) in corrections.iter().enumerate() {
-                let place = &spectra[block * block_len + first * ORDERS..];
+            let is_last = row + 1 == end;
+            let blocks = corrections.iter().zip(spectra.chunks_exact(self.block_len()));
+            for (block, (corrections, spectra)) in blocks.enumerate() {
+                let place = &spectra[row * ORDERS..];
                 for i in 0..ORDERS {
                     let m = block * ORDERS + i;
                     let a = place[i] * corrections[i];
                     let b =
-                        if last { a * T::default() } else { place[ORDERS + i] * corrections[i] };
+                        if is_last { a * T::default() } else { place[ORDERS + i] * corrections[i] };
                     pair[n - m] = a.conj() + Complex { re: b.im, im: b.re };
                     pair[m] = a + Complex { re: -b.im, im: b.re };
                     if m == 0 {
@@ -247,36 +285,42 @@ impl<T: Real> Torus<T> {
                 }
             }
             self.phi_inverse.process_with_scratch(&mut pair[..n], fft);
-            let (one, other) = rows.split_at_mut(layout.stride);
-            for (x, z) in one[layout.margin..].iter_mut().zip(&pair[..n]) {
+            let (one, other) = rows.split_at_mut(stride);
+            for (x, z) in one[margin..].iter_mut().zip(&pair[..n]) {
                 *x = z.re;
             }
-            if !last {
-                for (x, z) in other[layout.margin..].iter_mut().zip(&pair[..n]) {
+            self.unfold_row(one, layout);
+            if !is_last {
+                for (x, z) in other[margin..].iter_mut().zip(&pair[..n]) {
                     *x = z.im;
                 }
+                self.unfold_row(&mut other[..stride], layout);
             }
         }
-        self.unfold(grid, layout);
     }
 
-    /// Extends rows periodically and across the poles: the transpose of [`Self::fold`].
+    /// Extends a row periodically: the transpose of [`Self::fold_row`].
     #[inline(always)]
-    fn unfold(&self, grid: &mut [T], layout: Layout) {
+    fn unfold_row(&self, row: &mut [T], layout: Layout) {
+        let (n, Layout { stride, margin }) = (self.n_phi, layout);
+        row.copy_within(n..n + margin, 0);
+        row.copy_within(margin..stride - n, margin + n);
+    }
+
+    /// Extends the rows of a grid across the poles: the transpose of [`Self::fold_poles`].
+    #[inline(always)]
+    fn unfold_poles(&self, grid: &mut [T], layout: Layout) {
         let (n, Layout { stride, margin }) = (self.n_phi, layout);
         self.for_mirrored_rows(layout, |beyond, within| {
             let (from, to) = (within * stride + margin, beyond * stride + margin);
             grid.copy_within(from..from + n / 2, to + n / 2);
             grid.copy_within(from + n / 2..from + n, to);
+            self.unfold_row(&mut grid[beyond * stride..][..stride], layout);
         });
-        for row in grid.chunks_exact_mut(stride) {
-            row.copy_within(n..n + margin, 0);
-            row.copy_within(margin..stride - n, margin + n);
-        }
     }
 
-    /// Computes ring terms from spectra for the orders from `first`, a multiple of `ORDERS`: order
-    /// `first + i` on ring r at `i * n_ring_rows + r`.
+    /// Computes ring terms from the spectra of a set for the orders from `first`, a multiple of
+    /// `ORDERS`: order `first + i` on ring r at `i * n_ring_rows + r`.
     #[inline(always)]
     fn analyse_columns(
         &self,
@@ -288,18 +332,10 @@ impl<T: Real> Torus<T> {
         self.prepare(scratch);
         let TorusScratch { columns, rings, fft, .. } = scratch;
         let (n, pole) = (self.n_theta, self.n_theta / 2);
-        let block = spectra[self.block(first)].as_chunks::<ORDERS>().0;
-        for (p, column) in columns.chunks_exact_mut(n).enumerate() {
-            let (ahead, back) = column.split_at_mut(pole);
-            let between = ahead[1..].iter_mut().zip(back[1..].iter_mut().rev());
-            for (row, (here, mirrored)) in block[1..pole].iter().zip(between) {
-                let (even, odd) = (row[2 * p], row[2 * p + 1]);
-                *here = even + odd;
-                *mirrored = even - odd;
-            }
-            // An odd column vanishes at the poles; an even one is its own reflection.
-            ahead[0] = block[0][2 * p] + block[0][2 * p];
-            back[0] = block[pole][2 * p] + block[pole][2 * p];
+        let groups = spectra.chunks_exact(self.group_len());
+        for (row, group) in (0..=pole).step_by(ROWS).zip(groups) {
+            let blocks = group.as_chunks::<ORDERS>().0.as_chunks::<ROWS>().0;
+            self.gather_columns(row, &blocks[first / ORDERS], columns);
         }
         self.theta_forward.process_with_scratch(columns, fft);
         // A factor 1/2 since the symmetrized column contains everything twice, and 1/n_rings.
@@ -325,6 +361,40 @@ impl<T: Real> Torus<T> {
         }
     }
 
+    /// Writes the rows of a group of spectra, from row `first` on, and their reflections to the
+    /// columns of pairs of orders.
+    #[inline(always)]
+    fn gather_columns(
+        &self,
+        first: usize,
+        group: &[[Complex<T>; ORDERS]; ROWS],
+        columns: &mut [Complex<T>],
+    ) {
+        let (n, pole) = (self.n_theta, self.n_theta / 2);
+        // Rows between the poles.
+        let (start, end) = (first.max(1), pole.min(first + ROWS));
+        for (p, column) in columns.chunks_exact_mut(n).enumerate() {
+            let mut ahead = [Complex::default(); ROWS];
+            let mut mirrored = [Complex::default(); ROWS];
+            for (i, row) in group.iter().enumerate() {
+                let (even, odd) = (row[2 * p], row[2 * p + 1]);
+                ahead[i] = even + odd;
+                mirrored[ROWS - 1 - i] = even - odd;
+            }
+            if start < end {
+                column[start..end].copy_from_slice(&ahead[start - first..end - first]);
+                column[n + 1 - end..n + 1 - start]
+                    .copy_from_slice(&mirrored[first + ROWS - end..first + ROWS - start]);
+            }
+            for row in [0, pole] {
+                if let Some(values) = row.checked_sub(first).and_then(|i| group.get(i)) {
+                    // An odd column vanishes at the poles; an even one is its own reflection.
+                    column[row] = values[2 * p] + values[2 * p];
+                }
+            }
+        }
+    }
+
     /// Copies frequencies up to lmax of both signs, corrected for the window, between transforms of
     /// different lengths.
     #[inline(always)]
@@ -344,11 +414,11 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// Computes spectra from ring values: the transpose of [`Self::analyse_columns`].
+    /// Computes the spectra of a block of orders from ring values: the transpose of
+    /// [`Self::analyse_columns`].
     #[inline(always)]
     fn synthesise_columns(
         &self,
-        first: usize,
         values: &[Complex<T>],
         spectra: &mut [Complex<T>],
         scratch: &mut TorusScratch<T>,
@@ -378,7 +448,7 @@ impl<T: Real> Torus<T> {
         }
         self.theta_inverse.process_with_scratch(columns, fft);
         let pole = n / 2;
-        let block = spectra[self.block(first)].as_chunks_mut::<ORDERS>().0;
+        let block = spectra.as_chunks_mut::<ORDERS>().0;
         for (p, column) in columns.chunks_exact(n).enumerate() {
             let (ahead, back) = column.split_at(pole);
             let between = ahead[1..].iter().zip(back[1..].iter().rev());
@@ -393,16 +463,19 @@ impl<T: Real> Torus<T> {
     }
 }
 
-/// One of the four stages with its arguments, compiled for the selected instruction set.
+/// One of the stages with its arguments, compiled for the selected instruction set.
 pub(crate) enum Stage<'a, T> {
-    AnalyseRows { grid: &'a mut [T], layout: Layout, spectra: &'a mut [Complex<T>] },
+    FoldPoles { grid: &'a mut [T] },
+    AnalyseRows { first: usize, rows: &'a mut [T], spectra: &'a mut [Complex<T>] },
     AnalyseColumns { first: usize, spectra: &'a [Complex<T>], terms: &'a mut [Complex<T>] },
-    SynthesiseColumns { first: usize, values: &'a [Complex<T>], spectra: &'a mut [Complex<T>] },
-    SynthesiseRows { spectra: &'a [Complex<T>], grid: &'a mut [T], layout: Layout },
+    SynthesiseColumns { values: &'a [Complex<T>], spectra: &'a mut [Complex<T>] },
+    SynthesiseRows { first: usize, spectra: &'a [Complex<T>], rows: &'a mut [T] },
+    UnfoldPoles { grid: &'a mut [T] },
 }
 
 struct Run<'a, T> {
     torus: &'a Torus<T>,
+    layout: Layout,
     stage: Stage<'a, T>,
     scratch: &'a mut TorusScratch<T>,
 }
@@ -412,20 +485,22 @@ impl<T: Real> NullaryFnOnce for Run<'_, T> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { torus, stage, scratch } = self;
+        let Self { torus, layout, stage, scratch } = self;
         match stage {
-            Stage::AnalyseRows { grid, layout, spectra } => {
-                torus.analyse_rows(grid, layout, spectra, scratch);
+            Stage::FoldPoles { grid } => torus.fold_poles(grid, layout),
+            Stage::AnalyseRows { first, rows, spectra } => {
+                torus.analyse_rows(first, rows, layout, spectra, scratch);
             }
             Stage::AnalyseColumns { first, spectra, terms } => {
                 torus.analyse_columns(first, spectra, terms, scratch);
             }
-            Stage::SynthesiseColumns { first, values, spectra } => {
-                torus.synthesise_columns(first, values, spectra, scratch);
+            Stage::SynthesiseColumns { values, spectra } => {
+                torus.synthesise_columns(values, spectra, scratch);
             }
-            Stage::SynthesiseRows { spectra, grid, layout } => {
-                torus.synthesise_rows(spectra, grid, layout, scratch);
+            Stage::SynthesiseRows { first, spectra, rows } => {
+                torus.synthesise_rows(first, spectra, rows, layout, scratch);
             }
+            Stage::UnfoldPoles { grid } => torus.unfold_poles(grid, layout),
         }
     }
 }

@@ -94,6 +94,16 @@ pub struct TransformWorkspace {
     components: Option<[Alm; 3]>,
 }
 
+impl TransformWorkspace {
+    /// Returns a workspace for transforms of one set, or a batch of few, on all threads of the
+    /// current rayon pool by the fast method, as [`FastWorkspace::parallel`]. The exact method,
+    /// which is used for little work, uses the caller's thread.
+    #[must_use]
+    pub fn parallel() -> Self {
+        Self { fast: FastWorkspace::parallel(), ..Self::default() }
+    }
+}
+
 impl Transform {
     /// Returns the transform to degree `lmax` for sets of about `n_points`. `epsilon` is the
     /// relative accuracy of the fast method; it is validated for every method.

@@ -95,6 +95,10 @@ impl SetTransform for OnSphere {
         Ok(Alm::zeros(self.resolution.lmax)?)
     }
 
+    fn lone_workspace(&self) -> TransformWorkspace {
+        TransformWorkspace::parallel()
+    }
+
     fn run(
         &self,
         sets: &[PointSet],
@@ -127,6 +131,11 @@ pub(crate) trait SetTransform: Sync {
     /// Returns coefficients of 0.
     fn zeros(&self) -> Result<<Self::Bands as SpectralBands>::Coefficients, Error>;
 
+    /// Returns buffers for transforms that run one at a time, and may each use all threads.
+    fn lone_workspace(&self) -> Self::Workspace {
+        Self::Workspace::default()
+    }
+
     /// Replaces `out` by the coefficients of the sets.
     fn run(
         &self,
@@ -147,9 +156,10 @@ pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
     empty: &A,
     progress: &dyn Progress,
 ) -> Result<A, Error> {
+    let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
     let begin = || Worker::<T, A> {
         sets: Vec::new(),
-        workspace: T::Workspace::default(),
+        workspace: if n_batches > 1 { T::Workspace::default() } else { transform.lone_workspace() },
         coefficients: Vec::new(),
         accumulator: empty.clone(),
     };
@@ -169,7 +179,6 @@ pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
         worker.process(sets, transform, batch, progress).inspect_err(stop)?;
         Ok(worker)
     };
-    let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
     let finished = (0..n_batches)
         .into_par_iter()
         .fold(|| Ok(begin()), step)

@@ -1,13 +1,13 @@
 use pulp::{Simd, WithSimd};
 
 use super::{ByWidth, Spreading, for_width};
-use crate::cells::Cell;
+use crate::cells::Part;
 use crate::real::Real;
 
-/// Values of several functions at points.
+/// Values of several functions at the points of a part, with those of its first point at the start of `out`.
 pub(super) struct Interpolate<'a, T, R> {
     pub(super) spreading: &'a Spreading<T>,
-    pub(super) cells: &'a [Cell<T>],
+    pub(super) part: &'a Part<T>,
     pub(super) grids: &'a [T],
     pub(super) sizes: &'a [f64],
     pub(super) out: &'a mut [R],
@@ -25,19 +25,21 @@ impl<T: Real, R: Real> WithSimd for Interpolate<'_, T, R> {
 
 impl<T: Real, R: Real> ByWidth for Interpolate<'_, T, R> {
     #[inline(always)]
-    fn run<const P: usize, const FUSED: bool>(self) {
-        let Self { spreading, cells, grids, sizes, out } = self;
-        let (width, stride) = (spreading.table.width(), spreading.stride());
+    fn run<const P: usize, const H: usize, const FUSED: bool>(self) {
+        let Self { spreading, part, grids, sizes, out } = self;
+        let stride = spreading.stride();
+        let rows = spreading.table.rows();
         let size = spreading.grid_len();
-        for cell in cells {
-            let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
+        for cell in &part.sorted {
+            let [by_row, by_column] = spreading.table.evaluate::<P, H, FUSED>(cell.t);
             let start = cell.row as usize * stride + cell.column as usize;
-            let values = &mut out[cell.index as usize * sizes.len()..][..sizes.len()];
+            let values =
+                &mut out[(cell.index as usize - part.first) * sizes.len()..][..sizes.len()];
             let functions = grids.chunks_exact(size).zip(sizes);
             for (value, (grid, scale)) in values.iter_mut().zip(functions) {
                 let Some(window) = grid.get(start..) else { continue };
                 let mut sums = [T::default(); P];
-                for (line, by_row) in window.chunks(stride).zip(&by_row[..width]) {
+                for (line, by_row) in window.chunks(stride).zip(&by_row[rows.clone()]) {
                     if let Some(line) = line.first_chunk::<P>() {
                         for i in 0..P {
                             sums[i] = line[i].times_plus::<FUSED>(*by_row, sums[i]);
@@ -53,7 +55,7 @@ impl<T: Real, R: Real> ByWidth for Interpolate<'_, T, R> {
 /// The value of a function and its derivatives by both coordinates, per turn, at points.
 pub(super) struct InterpolateGradient<'a, T, R> {
     pub(super) spreading: &'a Spreading<T>,
-    pub(super) cells: &'a [Cell<T>],
+    pub(super) part: &'a Part<T>,
     pub(super) grid: &'a [T],
     pub(super) size: f64,
     pub(super) out: &'a mut [[R; 3]],
@@ -71,17 +73,18 @@ impl<T: Real, R: Real> WithSimd for InterpolateGradient<'_, T, R> {
 
 impl<T: Real, R: Real> ByWidth for InterpolateGradient<'_, T, R> {
     #[inline(always)]
-    fn run<const P: usize, const FUSED: bool>(self) {
-        let Self { spreading, cells, grid, size, out } = self;
-        let (width, stride) = (spreading.table.width(), spreading.stride());
+    fn run<const P: usize, const H: usize, const FUSED: bool>(self) {
+        let Self { spreading, part, grid, size, out } = self;
+        let stride = spreading.stride();
+        let rows = spreading.table.rows();
         // A position in the window moves by 2 for each cell.
         let per_turn = spreading.locator.cells.map(|cells| 2.0 * cells as f64 * size);
-        for cell in cells {
-            let [by_row, by_column] = spreading.table.evaluate_with_slope::<P, FUSED>(cell.t);
+        for cell in &part.sorted {
+            let [by_row, by_column] = spreading.table.evaluate_with_slope::<P, H, FUSED>(cell.t);
             let start = cell.row as usize * stride + cell.column as usize;
             let Some(window) = grid.get(start..) else { continue };
             let (mut sums, mut slopes) = ([T::default(); P], [T::default(); P]);
-            let [row_values, row_slopes] = by_row.each_ref().map(|by_row| &by_row[..width]);
+            let [row_values, row_slopes] = by_row.each_ref().map(|by_row| &by_row[rows.clone()]);
             for ((line, value), slope) in window.chunks(stride).zip(row_values).zip(row_slopes) {
                 if let Some(line) = line.first_chunk::<P>() {
                     for i in 0..P {
@@ -91,7 +94,7 @@ impl<T: Real, R: Real> ByWidth for InterpolateGradient<'_, T, R> {
                 }
             }
             let [column_values, column_slopes] = &by_column;
-            out[cell.index as usize] = [
+            out[cell.index as usize - part.first] = [
                 R::of(dot(&sums, column_values).to_f64() * size),
                 R::of(dot(&slopes, column_values).to_f64() * per_turn[0]),
                 R::of(dot(&sums, column_slopes).to_f64() * per_turn[1]),

@@ -19,14 +19,15 @@ pub(crate) const ROWS: usize = 8;
 const TOGETHER: usize = 4;
 
 /// Adjoint at one order: ring values of up to `FUNCTIONS` functions to their coefficients.
-pub(crate) struct Adjoint<'a> {
+pub(crate) struct Adjoint<'a, 'o> {
     pub(crate) lanes: &'a Lanes,
     pub(crate) order: &'a Order,
     pub(crate) m: usize,
     /// Function b on ring r at `b * n_rings + r`.
     pub(crate) values: &'a [Complex<f64>],
     pub(crate) scratch: &'a mut Columns,
-    pub(crate) outs: &'a mut [Alm],
+    /// The coefficients of this order of each function.
+    pub(crate) outs: &'a mut [&'o mut [Complex<f64>]],
 }
 
 /// Synthesis at one order: coefficients to ring values.
@@ -78,7 +79,7 @@ impl LongSums {
     }
 }
 
-impl Adjoint<'_> {
+impl Adjoint<'_, '_> {
     pub(crate) fn run(self, arch: Arch) {
         dispatch(arch, self.outs.len(), self);
     }
@@ -107,7 +108,7 @@ fn dispatch(arch: Arch, n_functions: usize, op: impl WithSimd<Output = ()>) {
     arch.dispatch(op);
 }
 
-impl WithSimd for Adjoint<'_> {
+impl WithSimd for Adjoint<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -146,7 +147,7 @@ impl WithSimd for Adjoint<'_> {
             }
         }
         for (function, out) in outs.iter_mut().enumerate() {
-            order.collect(by_degree, n_columns, function, out.column_mut(m));
+            order.collect(by_degree, n_columns, function, out);
         }
     }
 }

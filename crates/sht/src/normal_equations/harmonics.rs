@@ -19,7 +19,7 @@ impl<'a> Harmonics<'a> {
         // Residuals cannot be less than the error of the transform.
         let epsilon = FastTransform::MIN_EPSILON;
         let transform = Transform::new(Method::Auto, lmax, points.len(), epsilon)?;
-        Ok(Self { points, domain, lmax, transform, workspace: TransformWorkspace::default() })
+        Ok(Self { points, domain, lmax, transform, workspace: TransformWorkspace::parallel() })
     }
 
     pub(crate) fn n_points(&self) -> usize {

@@ -60,7 +60,7 @@ impl<'a> NormalMatrix<'a> {
             points,
             domain,
             transform,
-            workspace: TransformWorkspace::default(),
+            workspace: TransformWorkspace::parallel(),
             measure: Alm::zeros(2 * lmax)?,
             measure_rings: RingTransform::new(2 * lmax)?,
             rings: RingTransform::new(lmax)?,

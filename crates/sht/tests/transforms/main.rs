@@ -16,4 +16,5 @@ mod points;
 mod quadrature;
 mod rotations;
 mod synthesis;
+mod threads;
 mod weights;

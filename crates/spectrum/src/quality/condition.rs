@@ -127,7 +127,7 @@ impl<'a> Gram<'a> {
             weights: scaled.weights,
             domain,
             transform: FastTransform::new(lmax, Resolution::MIN_EPSILON)?,
-            workspace: FastWorkspace::default(),
+            workspace: FastWorkspace::parallel(),
             values: vec![0.0; set.len()],
         })
     }

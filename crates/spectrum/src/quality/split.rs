@@ -211,7 +211,7 @@ pub(super) fn exact(nodes: &Nodes, lmax: usize, progress: &dyn Progress) -> Resu
 /// Returns coefficients by the fast transform.
 fn fast(nodes: &Nodes, lmax: usize, progress: &dyn Progress) -> Result<Alm, Error> {
     let transform = FastTransform::new(lmax, FastTransform::MIN_EPSILON)?;
-    let mut workspace = FastWorkspace::default();
+    let mut workspace = FastWorkspace::parallel();
     let (mut sum, mut alm) = (Alm::zeros(lmax)?, Alm::zeros(lmax)?);
     for chunk in 0..nodes.len().div_ceil(FAST_CHUNK) {
         let range = chunk * FAST_CHUNK..((chunk + 1) * FAST_CHUNK).min(nodes.len());
