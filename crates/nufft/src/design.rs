@@ -27,14 +27,16 @@ impl Design {
     ///
     /// [`Error::Accuracy`] if it is NaN or outside \[[`MIN_EPSILON`], [`MAX_EPSILON`]\].
     pub fn in_norm(epsilon: f64) -> Result<Self, Error> {
-        // The first factors are slightly below 5/4, 3/2 and 7/4, so that the grids for degrees 2^k
-        // have sizes 5 2^k, 3 2^k and 7 2^k.
+        // Rounding of f32 is amplified more by wider windows, and least by the finer grid. The
+        // first factors are slightly below 5/4 and 3/2, so that the grids for degrees 2^k have
+        // sizes 5 2^k and 3 2^k. From 1e-9 down to 5e-13 the grid is the smallest for which the
+        // widest window, of 16 cells, has the accuracy; below, rounding needs a finer one.
         let (single, oversampling) = match epsilon {
-            e if e >= 2e-6 => (true, 1.245),
+            e if e >= 4e-6 => (true, 1.245),
             e if e >= 5e-7 => (true, 1.49),
             e if e >= 1e-9 => (false, 1.245),
-            e if e >= 1e-11 => (false, 1.49),
-            e if e >= 5e-13 => (false, 1.745),
+            e if e >= 1e-11 => (false, 1.395),
+            e if e >= 5e-13 => (false, 1.545),
             _ => (false, 2.0),
         };
         Self::new(epsilon, Window::new(epsilon, oversampling), single, oversampling)
