@@ -182,6 +182,33 @@ impl RingTransform {
         }
     }
 
+    /// Calls `emit` with the coefficients of degrees m to lmax of one function for each order m up to
+    /// `max_order`, in this order, without those of all other orders in memory. `fourier` is called
+    /// for each m and writes `f_m` for every ring; orders for which it returns `false` are left out.
+    ///
+    /// Results are bit-identical to those of [`adjoint_into`](Self::adjoint_into).
+    pub fn adjoint_by_order(
+        &self,
+        colatitudes: impl Iterator<Item = Colatitude>,
+        max_order: usize,
+        mut fourier: impl FnMut(usize, &mut [Complex<f64>]) -> bool,
+        workspace: &mut RingWorkspace,
+        mut emit: impl FnMut(usize, &[Complex<f64>]),
+    ) {
+        let RingWorkspace { worker, fourier: values } = workspace;
+        worker.load(self, colatitudes);
+        values.clear();
+        values.resize(worker.lanes.n_rings(), Complex::ZERO);
+        let mut column = vec![Complex::ZERO; self.lmax() + 1];
+        for m in 0..=max_order.min(self.lmax()) {
+            if fourier(m, values) {
+                let column = &mut column[m..];
+                worker.adjoint(self, m, values, &mut [&mut *column]);
+                emit(m, column);
+            }
+        }
+    }
+
     /// Calls `emit` for each m from 0 to lmax, in this order, with `f_m` of each of `alms` on the
     /// rings at `colatitudes`: function b on ring r at `b * n_rings + r`.
     ///
