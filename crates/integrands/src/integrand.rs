@@ -151,8 +151,8 @@ pub trait Integrand: Sync {
         })
     }
 
-    /// Returns the energy of F per degree up to `lmax`, and the total; estimated energies may end
-    /// at a lower degree.
+    /// Returns the energy of F per degree up to `lmax`, and the total; estimated energies and those of
+    /// functions with an [`energy_degree`](Self::energy_degree) may end at a lower degree.
     ///
     /// # Errors
     ///
@@ -160,6 +160,13 @@ pub trait Integrand: Sync {
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+    }
+
+    /// Returns the largest degree up to `lmax` to which [`energy`](Self::energy) computes the energy
+    /// per degree in moderate time; the energy of higher degrees is known in total only. Lower than
+    /// `lmax` for functions with crossing edges.
+    fn energy_degree(&self, _domain: Domain, lmax: usize) -> usize {
+        lmax
     }
 
     /// Returns the approximate time in seconds of [`energy`](Self::energy) on one core, for
@@ -241,6 +248,10 @@ macro_rules! forwarded {
 
         fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
             (**self).energy(domain, lmax)
+        }
+
+        fn energy_degree(&self, domain: Domain, lmax: usize) -> usize {
+            (**self).energy_degree(domain, lmax)
         }
 
         fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {

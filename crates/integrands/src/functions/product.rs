@@ -9,7 +9,7 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape};
 /// The product of two integrands, such as light and the lobe that reflects it.
 ///
 /// Products of an environment map and a function of z follow from the rows of the map. Otherwise the
-/// integral is an inner product of coefficients where one factor has no edges; all other results come from quadrature over rings that are split at the edges of both. Factors without a
+/// integral is an inner product of coefficients where one factor has no edges; all other results come from quadrature over rings that are split at the edges of both. Where edges of both cross, energies per degree end at a degree of about 2000 ([`energy_degree`](Integrand::energy_degree)). Factors without a
 /// known shape (closures, HEALPix maps) provide the values and at most the integral.
 ///
 /// # Examples
@@ -101,6 +101,13 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
     /// Returns estimates with their errors where exact energies would need too many values.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         self.estimates.energy(self, domain, lmax)
+    }
+
+    fn energy_degree(&self, domain: Domain, lmax: usize) -> usize {
+        match (self.zonal_product(), self.shape()) {
+            (None, Ok(shape)) => quadrature::affordable_degree(&shape, domain, lmax),
+            _ => lmax,
+        }
     }
 
     fn feature_degree(&self) -> Option<usize> {

@@ -4,6 +4,7 @@ use sphvar_sh::Domain;
 
 use super::closed_form::{ClosedForm, from_closed_form};
 use crate::quadrature::{self, Estimates};
+use crate::shape::Fold;
 use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// An integrand after a rotation R of the sphere, `f(R^-1 x)`.
@@ -153,6 +154,15 @@ impl<I: Integrand> Integrand for Rotated<I> {
         quadrature::kurtosis(&self.shape().ok()?, domain, &|dirs, values| {
             self.eval_into(dirs, values)
         })
+    }
+
+    fn energy_degree(&self, domain: Domain, lmax: usize) -> usize {
+        match self.shape() {
+            Ok(shape) if shape.fold(domain) == Fold::Cut => {
+                quadrature::affordable_degree(&shape, domain, lmax)
+            }
+            _ => self.function.energy_degree(Domain::Sphere, lmax),
+        }
     }
 
     fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {

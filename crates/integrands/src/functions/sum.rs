@@ -64,6 +64,24 @@ impl Sum {
         self.terms.iter().map(|(w, f)| (*w, &**f))
     }
 
+    /// Returns the shape of the sum if several of its terms are products of functions about different
+    /// axes, whose coefficients would have to be rotated.
+    fn joint_shape(&self) -> Option<Shape> {
+        /// Sums of more edges or of expensive terms take longer than rotations.
+        const MAX_EDGES: usize = 16;
+        const MAX_COST: f64 = 32.0;
+        let is_general = |(weight, f): &&(f64, Box<dyn Integrand>)| {
+            let is_zonal = |shape: &Shape| shape.axis().is_some();
+            *weight != 0.0 && !f.shape().is_ok_and(|shape| is_zonal(&shape))
+        };
+        if self.terms.iter().filter(is_general).count() < 2 {
+            return None;
+        }
+        let shape = self.shape().ok()?;
+        let is_simple = shape.edges().len() <= MAX_EDGES && shape.cost() <= MAX_COST;
+        (is_simple && !shape.edges().is_empty()).then_some(shape)
+    }
+
     /// Returns the maximum of a quantity over the terms, if all terms have it.
     fn largest(&self, of: impl Fn(&dyn Integrand) -> Option<usize>) -> Option<usize> {
         let each: Option<Vec<usize>> = self.terms.iter().map(|(_, f)| of(&**f)).collect();
@@ -96,8 +114,15 @@ impl Integrand for Sum {
         self.terms.iter().map(|(w, f)| Some(w * f.exact(domain)?)).sum()
     }
 
+    /// Returns the sums of those of the terms, or of the values if several terms have them in frames
+    /// of their own.
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        sum_of_coefficients(self.terms(), domain, lmax)
+        match self.joint_shape() {
+            Some(shape) => quadrature::coefficients(&shape, domain, lmax, &|dirs, values| {
+                self.eval_into(dirs, values)
+            }),
+            None => sum_of_coefficients(self.terms(), domain, lmax),
+        }
     }
 
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
@@ -143,6 +168,13 @@ impl Integrand for Sum {
             ),
             _ => None,
         }
+    }
+
+    fn energy_degree(&self, domain: Domain, lmax: usize) -> usize {
+        if let Some(shape) = self.joint_shape() {
+            return quadrature::affordable_degree(&shape, domain, lmax);
+        }
+        self.terms.iter().map(|(_, f)| f.energy_degree(domain, lmax)).min().unwrap_or(lmax)
     }
 
     fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {

@@ -73,14 +73,16 @@ impl Estimates {
     }
 }
 
-/// Returns the energies by coefficients and square. The square, which has more nodes, comes first.
+/// Returns the energies by coefficients, up to a degree that takes moderate time, and square. The
+/// square, which may be unavailable, comes first.
 pub(crate) fn exact_energy(
     function: &dyn Integrand,
     domain: Domain,
     lmax: usize,
 ) -> Result<Energy, Error> {
     let centred = function.centred_square(domain)?;
-    let per_degree = function.coefficients(domain, lmax)?.energy_per_degree()?;
+    let degree = function.energy_degree(domain, lmax);
+    let per_degree = function.coefficients(domain, degree)?.energy_per_degree()?;
     Ok(Energy::new(domain, per_degree, centred))
 }
 

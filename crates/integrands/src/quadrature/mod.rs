@@ -6,6 +6,7 @@ mod estimates;
 mod finite_values;
 mod panel_rule;
 mod product_rule;
+mod ring_coefficients;
 mod rings;
 
 use std::f64::consts::PI;
@@ -22,6 +23,7 @@ pub(crate) use doubling::{Estimate, FIRST_NODES, doubled};
 pub(crate) use estimates::{Estimates, MAX_FEATURE_DEGREE, exact_energy};
 pub(crate) use finite_values::{finite_values, finite_values_at};
 pub(crate) use panel_rule::node_count;
+pub(crate) use ring_coefficients::affordable_degree;
 use rings::Rings;
 
 /// Minimum number of nodes per transform; the actual number fills the memory of the transform if
@@ -225,31 +227,39 @@ pub(crate) fn coefficients(
 ) -> Result<Coefficients, Error> {
     let fold = shape.fold(domain);
     let domain = if fold == Fold::Cut { domain } else { Domain::Sphere };
-    let rings = Rings::new(shape, domain, shape.degree() + lmax)?;
-    let part = if rings.is_zonal() {
-        let mut sums = ZonalSums::new(lmax)?;
-        let mut nodes = Vec::new();
-        rings.for_each_colatitude(|theta, w| nodes.push((theta, w)))?;
-        let dirs: Vec<DVec3> =
-            nodes.iter().map(|&(theta, _)| rings.direction(theta, 0.0)).collect();
-        let mut values = vec![0.0; dirs.len()];
-        eval_into(&dirs, &mut values)?;
-        for ((theta, w), value) in nodes.into_iter().zip(values) {
-            if let Ok(colatitude) = Colatitude::from_theta(theta) {
-                sums.add(colatitude, w * value);
-            }
+    let about = |axis| Rings::unchecked(axis, shape, domain, shape.degree() + lmax);
+    let part = match shape.axis().map(about).transpose()?.filter(Rings::is_zonal) {
+        Some(rings) => {
+            rings.check_cost(rings.cost(), shape.cost())?;
+            zonal_coefficients(&rings, lmax, eval_into)?
         }
-        Coefficients::zonal(rings.axis(), sums.sums)?
-    } else {
-        coefficients_of_nodes(lmax, |add| {
-            for_each_value(&rings, eval_into, |dir, w, f| add(dir, w * f))
-        })?
+        None => ring_coefficients::coefficients(shape, domain, lmax, eval_into)?,
     };
     Ok(match fold {
         Fold::Whole => part,
         Fold::Even => part.even_part(),
         Fold::Above | Fold::Cut => part.even_extension(),
     })
+}
+
+/// Returns the coefficients of a function that is constant on rings.
+fn zonal_coefficients(
+    rings: &Rings,
+    lmax: usize,
+    eval_into: &EvalInto<'_>,
+) -> Result<Coefficients, Error> {
+    let mut sums = ZonalSums::new(lmax)?;
+    let mut nodes = Vec::new();
+    rings.for_each_colatitude(|theta, w| nodes.push((theta, w)))?;
+    let dirs: Vec<DVec3> = nodes.iter().map(|&(theta, _)| rings.direction(theta, 0.0)).collect();
+    let mut values = vec![0.0; dirs.len()];
+    eval_into(&dirs, &mut values)?;
+    for ((theta, w), value) in nodes.into_iter().zip(values) {
+        if let Ok(colatitude) = Colatitude::from_theta(theta) {
+            sums.add(colatitude, w * value);
+        }
+    }
+    Coefficients::zonal(rings.axis(), sums.sums)
 }
 
 /// Calls a function with every direction of a rule and the weight times the value there.

@@ -26,15 +26,20 @@ impl PanelRules {
     /// derivatives vanish at both ends: a power a becomes the power 4a + 3, which a root makes a
     /// polynomial.
     pub(super) fn rule(&mut self, ends: Ends, phase: f64) -> Result<&[(f64, f64)], Error> {
-        let n = match ends {
-            Ends::Smooth => node_count(0.5 * phase),
-            // The maximum slope of the polynomial is 35/16.
-            Ends::Rough => node_count(35.0 / 32.0 * phase) + ROUGH_NODES,
-        };
+        let n = Self::len(ends, phase);
         Ok(match self.0.entry((ends, n)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => place.insert(nodes(ends, n)?),
         })
+    }
+
+    /// Returns the number of nodes of the rule.
+    pub(super) fn len(ends: Ends, phase: f64) -> usize {
+        match ends {
+            Ends::Smooth => node_count(0.5 * phase),
+            // The maximum slope of the polynomial is 35/16.
+            Ends::Rough => node_count(35.0 / 32.0 * phase) + ROUGH_NODES,
+        }
     }
 }
 

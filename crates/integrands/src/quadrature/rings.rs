@@ -48,6 +48,24 @@ pub(super) struct Rings {
     fractional: bool,
 }
 
+/// The nodes of a ring.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Longitudes<'a> {
+    /// Equidistant: no edge intersects the ring, and the function has this largest order there.
+    Whole(f64),
+    /// Longitudes with weights.
+    Pieces(&'a [(f64, f64)]),
+}
+
+/// The approximate work of coefficients.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CoefficientWork {
+    /// The number of values.
+    pub(super) nodes: f64,
+    /// The number of products of Legendre functions with values on rings.
+    pub(super) legendre: f64,
+}
+
 /// A circle about another axis than that of the rings.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
@@ -84,7 +102,18 @@ impl Rings {
     /// Returns the quadrature for functions of `shape`, as fine as for polynomials of degree
     /// `degree`.
     pub(super) fn new(shape: &Shape, domain: Domain, degree: usize) -> Result<Self, Error> {
-        let axis = ring_axis(shape);
+        let rings = Self::unchecked(ring_axis(shape), shape, domain, degree)?;
+        rings.check_cost(rings.cost(), shape.cost())?;
+        Ok(rings)
+    }
+
+    /// Returns the quadrature with rings about an axis, whatever the number of its nodes.
+    pub(super) fn unchecked(
+        axis: DVec3,
+        shape: &Shape,
+        domain: Domain,
+        degree: usize,
+    ) -> Result<Self, Error> {
         let frame = frame_about(axis);
         let mut rings = Self {
             frame,
@@ -117,7 +146,6 @@ impl Rings {
         rings.breaks.iter_mut().for_each(|b| *b = b.clamp(from, to.max(from)));
         rings.breaks.sort_by(f64::total_cmp);
         rings.breaks.dedup_by(|b, a| *b - *a <= 2.0 * f64::EPSILON * *b);
-        rings.check_cost(shape.cost())?;
         Ok(rings)
     }
 
@@ -196,6 +224,11 @@ impl Rings {
         self.frame * DVec3::new(st * cp, st * sp, ct)
     }
 
+    /// Returns the rotation from the frame of the rings, which is about +z, to that of the function.
+    pub(super) fn frame(&self) -> DMat3 {
+        self.frame
+    }
+
     /// Returns the axis of the rings.
     pub(super) fn axis(&self) -> DVec3 {
         self.frame.z_axis
@@ -214,14 +247,7 @@ impl Rings {
         rules: &mut PanelRules,
         f: &mut impl FnMut(DVec3, f64),
     ) -> Result<(), Error> {
-        meetings.clear();
-        for cut in &self.cuts {
-            if let Some(half) = cut.half_width(theta) {
-                meetings.push((cut.longitude + half).rem_euclid(TAU));
-                meetings.push((cut.longitude - half).rem_euclid(TAU));
-            }
-        }
-        let outside = |dir: DVec3| self.domain == Domain::Hemisphere && dir.z < 0.0;
+        self.find_meetings(theta, meetings);
         let orders = if self.zonal { 0.0 } else { self.orders(theta) };
         if meetings.is_empty() {
             #[expect(
@@ -230,7 +256,7 @@ impl Rings {
                 reason = "not negative, and at most the degree"
             )]
             let n = (orders + 1.0) as usize;
-            if outside(self.direction(theta, 0.0)) {
+            if self.is_outside(self.direction(theta, 0.0)) {
                 return Ok(());
             }
             for j in 0..n {
@@ -239,26 +265,54 @@ impl Rings {
             }
             return Ok(());
         }
+        self.for_each_on_pieces(theta, weight, (meetings, rules), |phi, w| {
+            f(self.direction(theta, phi), w);
+        })
+    }
+
+    /// Replaces `meetings` by the longitudes at which edges intersect a ring.
+    fn find_meetings(&self, theta: f64, meetings: &mut Vec<f64>) {
+        meetings.clear();
+        for cut in &self.cuts {
+            if let Some(half) = cut.half_width(theta) {
+                meetings.push((cut.longitude + half).rem_euclid(TAU));
+                meetings.push((cut.longitude - half).rem_euclid(TAU));
+            }
+        }
+    }
+
+    fn is_outside(&self, dir: DVec3) -> bool {
+        self.domain == Domain::Hemisphere && dir.z < 0.0
+    }
+
+    /// Calls `f` with longitudes and their weights, times `weight`, on the pieces between edges, of
+    /// which there are some.
+    fn for_each_on_pieces(
+        &self,
+        theta: f64,
+        weight: f64,
+        (meetings, rules): (&mut Vec<f64>, &mut PanelRules),
+        mut f: impl FnMut(f64, f64),
+    ) -> Result<(), Error> {
+        let orders = if self.zonal { 0.0 } else { self.orders(theta) };
         meetings.sort_by(f64::total_cmp);
         meetings.push(meetings[0] + TAU);
         let ends = if self.fractional { Ends::Rough } else { Ends::Smooth };
         for piece in meetings.windows(2) {
             let (from, width) = (piece[0], piece[1] - piece[0]);
-            if width <= 0.0 || outside(self.direction(theta, from + 0.5 * width)) {
+            if width <= 0.0 || self.is_outside(self.direction(theta, from + 0.5 * width)) {
                 continue;
             }
             for &(x, w) in rules.rule(ends, orders * width)? {
-                f(self.direction(theta, from + width * x), weight * w * width);
+                f(from + width * x, weight * w * width);
             }
         }
         Ok(())
     }
 
-    /// Returns the largest order of functions of the degree on a ring: beyond `degree sin(theta)`
-    /// they decay like Airy functions, on the scale of the cube root of the degree.
+    /// Returns the largest order of functions of the degree on a ring.
     fn orders(&self, theta: f64) -> f64 {
-        let degree = self.degree as f64;
-        degree.min((degree * theta.sin() + 9.0 * degree.cbrt() + 16.0).ceil())
+        orders(self.degree, theta)
     }
 
     fn add_edge(&mut self, edge: Circle) {
@@ -323,9 +377,66 @@ impl Rings {
         if self.zonal { rings } else { rings * pieces }
     }
 
+    /// Returns the work of coefficients to degree `lmax`; rings without edges resolve functions of
+    /// `ring_degree`.
+    pub(super) fn coefficient_work(&self, ring_degree: usize, lmax: usize) -> CoefficientWork {
+        /// The parts of a panel that are examined.
+        const PARTS: u32 = 4;
+        let mut work = CoefficientWork::default();
+        for panel in self.breaks.windows(2) {
+            let (from, width) = (panel[0], panel[1] - panel[0]);
+            let len = PanelRules::len(self.ends(from, width), self.phase(width)) as f64;
+            for part in 0..PARTS {
+                let theta = from + width * (f64::from(part) + 0.5) / f64::from(PARTS);
+                let n_cuts = self.cuts.iter().filter_map(|cut| cut.half_width(theta)).count();
+                let (nodes, orders) = match n_cuts {
+                    0 => {
+                        let orders = orders(ring_degree, theta);
+                        (2.0 * orders + 2.0, orders.min(lmax as f64))
+                    }
+                    n => (self.orders(theta) + 40.0 * n as f64, orders(lmax, theta)),
+                };
+                let rings = len / f64::from(PARTS);
+                work.nodes += rings * nodes;
+                work.legendre += rings * (orders + 1.0) * (lmax as f64 - 0.5 * orders);
+            }
+        }
+        work
+    }
+
+    /// Calls `f` with the colatitude of every ring, its weight, which includes `sin theta`, and its
+    /// nodes in longitude. Rings without edges resolve functions of `ring_degree` there.
+    pub(super) fn for_each_ring(
+        &self,
+        ring_degree: usize,
+        mut f: impl FnMut(f64, f64, Longitudes<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (mut rules, mut pieces) = (PanelRules::default(), PanelRules::default());
+        let (mut meetings, mut nodes) = (Vec::new(), Vec::new());
+        for panel in self.breaks.windows(2) {
+            let (from, width) = (panel[0], panel[1] - panel[0]);
+            for &(x, w) in rules.rule(self.ends(from, width), self.phase(width))? {
+                let theta = from + width * x;
+                let weight = w * width * theta.sin();
+                self.find_meetings(theta, &mut meetings);
+                if meetings.is_empty() {
+                    if !self.is_outside(self.direction(theta, 0.0)) {
+                        let max_order = orders(ring_degree, theta);
+                        f(theta, weight, Longitudes::Whole(max_order))?;
+                    }
+                    continue;
+                }
+                nodes.clear();
+                let state = (&mut meetings, &mut pieces);
+                self.for_each_on_pieces(theta, 1.0, state, |phi, w| nodes.push((phi, w)))?;
+                f(theta, weight, Longitudes::Pieces(&nodes))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Checks the number of nodes; `cost` is that of a value relative to a simple function.
-    fn check_cost(&self, cost: f64) -> Result<(), Error> {
-        let nodes = self.cost();
+    pub(super) fn check_cost(&self, nodes: f64, cost: f64) -> Result<(), Error> {
         if nodes > MAX_NODES {
             return Err(TOO_MANY_NODES);
         }
@@ -337,6 +448,31 @@ impl Rings {
         }
         Ok(())
     }
+}
+
+/// Returns the largest order of functions of a degree on a ring: beyond `degree sin(theta)` they
+/// decay like Airy functions, on the scale of the cube root of the degree.
+pub(super) fn orders(degree: usize, theta: f64) -> f64 {
+    let degree = degree as f64;
+    degree.min((degree * theta.sin() + 9.0 * degree.cbrt() + 16.0).ceil())
+}
+
+/// Returns the axes about which rings for coefficients may take the least work: that of integrals
+/// and, unless they are many, those of the edges and of the support.
+pub(super) fn candidate_axes(shape: &Shape) -> Vec<DVec3> {
+    const MAX_AXES: usize = 4;
+    let mut axes = vec![ring_axis(shape)];
+    let edges = shape.edges();
+    let support = shape.support();
+    let more = edges.iter().chain(&support).map(|circle| circle.axis);
+    let more = more.take(if edges.len() <= 2 * MAX_AXES { usize::MAX } else { 0 });
+    for axis in more {
+        let is_known = axes.iter().any(|known| coaxial(*known, axis).is_some());
+        if !is_known && axes.len() < MAX_AXES {
+            axes.push(axis);
+        }
+    }
+    axes
 }
 
 /// Returns the axis for the rings: that of most edges if they are many, else that of the support,
