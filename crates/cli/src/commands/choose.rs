@@ -53,7 +53,8 @@ With --error, expensive and warped patterns are not tried with more than 4 times
 where importance sampling has less than a quarter of the variance of all inexpensive uniform ones. \
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
 states. Where step or blue with another alpha would be better than all other samplers, it is shown with that alpha. \
-The seconds per set are measured on one core, the median of up to five; which sampler is the least expensive follows \
+The seconds per set are measured on one core, the median of up to five; those of sets that take longer than about 0.02 s \
+follow from their nominal work and are marked ~. Which sampler is the least expensive follows \
 from the nominal work of a set, because measured times vary.
 
 Beside the patterns of the sphere, whose directions are uniform, it ranks patterns of the square that are mapped to \

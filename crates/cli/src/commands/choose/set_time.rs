@@ -20,11 +20,12 @@ pub(super) struct SetTime {
 /// The number of sets that are generated for a median.
 const TIMED_SETS: u64 = 5;
 /// The time after which no further set is generated, in seconds.
-const TIMED_SECONDS: f64 = 0.2;
+const TIMED_SECONDS: f64 = 0.02;
 /// The number of points of the largest set that is timed.
 const MAX_TIMED_POINTS: usize = 10_000_000;
-/// A set that is expected to take longer than this is not generated, in seconds.
-const MAX_SET_SECONDS: f64 = 0.2;
+/// A set that is expected to take longer than this is not generated, in seconds: all patterns
+/// together would take longer than their predictions.
+const MAX_SET_SECONDS: f64 = 0.02;
 
 /// Returns the time for a set of `n_points`, measured or scaled from the largest predicted set.
 pub(super) fn set_time<P: Choosable>(
