@@ -1,11 +1,20 @@
+mod candidate_cells;
+
 use glam::DVec3;
 use rand::Rng;
 use sphvar_grammar::{Declaration, Parametric};
 
+use self::candidate_cells::CandidateCells;
 use super::white_noise;
 use crate::definition::Definition;
 use crate::search::CubeGrid;
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
+
+/// The number of candidates up to which all are drawn, which takes less time than cells do.
+const MAX_DRAWN: u64 = 400;
+
+/// The nominal work of a point by cells.
+const POINT_WORK: f64 = 500.0;
 
 /// Best-candidate sampling (Mitchell 1991): each new point is the one of several uniform candidates
 /// that is farthest from all previous points.
@@ -15,7 +24,10 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// point and to its antipode. The distribution is invariant under rotations, so every single point
 /// is uniform. Every N is valid, and the first n points are the pattern of n points.
 ///
-/// The cost is `factor N^2/2` candidates, each of which visits a few cells of a grid.
+/// Candidates that lie where another one is certainly farther are counted but not drawn: cells have
+/// upper bounds of the distance of their points from the set, the number of candidates in the cells
+/// with the largest bounds follows from their area, and these contain the farthest one. Below 400
+/// candidates all are drawn. The cost is nearly linear in N.
 ///
 /// ```
 /// use sphvar_samplers::{BestCandidate, Domain, Purpose, Sampler, Streams};
@@ -59,8 +71,10 @@ impl Sampler for BestCandidate {
     }
 
     fn nominal_work(&self) -> f64 {
-        let n = f64::from(self.n);
-        0.8 * n * f64::from(self.factor) / f64::from(Self::DEFAULT_FACTOR) * n
+        let (n, factor) = (f64::from(self.n), f64::from(self.factor));
+        // The candidates of the first points are all drawn.
+        let first = n.min(MAX_DRAWN as f64 / factor);
+        0.8 * factor * first * first + POINT_WORK * (n - first)
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
@@ -75,11 +89,24 @@ impl Sampler for BestCandidate {
     ) -> Result<(), Error> {
         let points = set.start();
         points.push(white_noise::uniform_direction(self.domain, rng));
+        let share = self.nominal_work() / f64::from(self.n);
         let mut grid = CubeGrid::for_points(1);
         let mut crowded_at = 1;
-        let share = 2.0 * self.nominal_work() / f64::from(self.n).powi(2);
+        let mut cells = None;
         for n in 1..self.n {
-            progress.tick(share * f64::from(n))?;
+            progress.tick(share)?;
+            let n_candidates = u64::from(self.factor) * u64::from(n);
+            if n_candidates > MAX_DRAWN {
+                let cells = cells.get_or_insert_with(|| {
+                    let last = points.len() - 1;
+                    let clearance = self.nearest(&points[..last], points[last]);
+                    CandidateCells::new(self.domain, points, clearance)
+                });
+                let next = cells.farthest(n_candidates, rng);
+                cells.insert(next);
+                points.push(self.domain.representative(next));
+                continue;
+            }
             if points.len() >= crowded_at {
                 crowded_at = 2 * points.len();
                 grid = CubeGrid::for_points(crowded_at);
@@ -88,7 +115,7 @@ impl Sampler for BestCandidate {
             let mut best = DVec3::ZERO;
             // Below every squared distance, so that the first candidate is accepted.
             let mut clearance = -1.0;
-            for _ in 0..u64::from(self.factor) * u64::from(n) {
+            for _ in 0..n_candidates {
                 let candidate = white_noise::uniform_direction(self.domain, rng);
                 if let Some(farther) = self.clearance(&grid, points, candidate, clearance) {
                     (best, clearance) = (candidate, farther);
@@ -110,6 +137,15 @@ impl BestCandidate {
             Domain::Sphere => Some(above),
             Domain::Hemisphere => Some(above.min(grid.clearance(points, -p, bound)?)),
         }
+    }
+
+    /// Returns the distance of `p` from the nearest of `points`, 2 if there is none.
+    fn nearest(&self, points: &[DVec3], p: DVec3) -> f64 {
+        let distance = |q: &DVec3| match self.domain {
+            Domain::Sphere => q.distance(p),
+            Domain::Hemisphere => q.distance(p).min(q.distance(-p)),
+        };
+        points.iter().map(distance).fold(2.0, f64::min)
     }
 }
 
@@ -141,7 +177,7 @@ impl Parametric for BestCandidateParameters {
 impl Definition for BestCandidateParameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
-            cost: CostOrder::QUADRATIC,
+            cost: CostOrder::LINEARITHMIC,
             low_degrees: "0.075",
             smooth_rate: Rate::power(-1.0),
             jump_rate: Rate::power(-1.0),

@@ -286,32 +286,81 @@ fn best_candidates_keep_apart() {
     }
 }
 
-/// The same candidates, each compared with every point, give the same set.
-#[test]
-fn best_candidates_match_their_definition() {
-    for domain in DOMAINS {
-        let white = |rng: &mut dyn rand::Rng| {
-            WhiteSquare::new(1).and_then(|w| OnSphere::new(w, domain).sample(rng))
-        };
-        let mut stream = rng(9);
-        let mut expected = white(&mut stream).unwrap().points;
-        while expected.len() < 60 {
-            let mut best = (DVec3::ZERO, -1.0);
-            for _ in 0..3 * expected.len() {
-                let candidate = white(&mut stream).unwrap().points[0];
-                let clearance = expected
-                    .iter()
-                    .fold(f64::INFINITY, |c, &q| c.min(closest_pair(&[candidate, q], domain)));
-                if clearance > best.1 {
-                    best = (candidate, clearance);
-                }
+/// Returns the points of a set one by one: the best of `factor` uniform candidates per point.
+fn best_candidates_by_definition(
+    n: usize,
+    domain: Domain,
+    factor: usize,
+    rng: &mut dyn rand::Rng,
+) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = Vec::new();
+    while points.len() < n {
+        let candidates = (factor * points.len()).max(1);
+        let white = WhiteSquare::new(candidates).unwrap();
+        let candidates = OnSphere::new(white, domain).sample(rng).unwrap().points;
+        let mut best = (DVec3::ZERO, -1.0);
+        for candidate in candidates {
+            let clearance = points
+                .iter()
+                .fold(f64::INFINITY, |c, &q| c.min(closest_pair(&[candidate, q], domain)));
+            if clearance > best.1 {
+                best = (candidate, clearance);
             }
-            expected.push(best.0);
         }
+        points.push(best.0);
+    }
+    points
+}
+
+/// The same candidates, each compared with every point, give the same set while all are drawn.
+#[test]
+fn few_candidates_are_all_drawn() {
+    for domain in DOMAINS {
+        let expected = best_candidates_by_definition(60, domain, 3, &mut rng(9));
         let set = BestCandidate::new(60, domain, 3).unwrap().sample(&mut rng(9)).unwrap();
         assert_eq!(set.points, expected, "{domain}");
     }
     assert!(BestCandidate::new(60, Domain::Sphere, 0).is_err());
+}
+
+/// Of many candidates only the farthest are drawn, so that distributions are compared: by the
+/// Kolmogorov-Smirnov test, of the closest pair, of the distance of the third point and of the last
+/// from the first, and of the power at degrees 2 and 4. A correct program fails with probability
+/// 3e-5.
+#[test]
+fn best_candidates_match_their_definition() {
+    const SETS: u64 = 400;
+    const N: usize = 14;
+    const FACTOR: u32 = 60;
+    for domain in DOMAINS {
+        let features = |points: &[DVec3]| {
+            let apart = |k: usize| closest_pair(&[points[0], points[k]], domain);
+            let power = |l: i32| {
+                let cosines = points.iter().flat_map(|p| points.iter().map(|q| p.dot(*q)));
+                cosines.map(|t| (f64::from(l) * t.clamp(-1.0, 1.0).acos()).cos()).sum::<f64>()
+            };
+            [closest_pair(points, domain), apart(2), apart(N - 1), power(2), power(4)]
+        };
+        let sampler = BestCandidate::new(N, domain, FACTOR).unwrap();
+        let (mut fast, mut slow) = (vec![Vec::new(); 5], vec![Vec::new(); 5]);
+        for i in 0..SETS {
+            let set = sampler.sample(&mut rng(i)).unwrap();
+            let by_definition =
+                best_candidates_by_definition(N, domain, FACTOR as usize, &mut rng(SETS + i));
+            for (to, points) in [(&mut fast, &set.points), (&mut slow, &by_definition)] {
+                to.iter_mut().zip(features(points)).for_each(|(to, x)| to.push(x));
+            }
+        }
+        for (k, (fast, slow)) in fast.iter_mut().zip(&mut slow).enumerate() {
+            fast.sort_by(f64::total_cmp);
+            slow.sort_by(f64::total_cmp);
+            let below = |x: f64| slow.partition_point(|y| *y < x) as f64;
+            let off = fast.iter().enumerate().map(|(i, x)| (below(*x) - i as f64).abs());
+            let off = off.fold(0.0, f64::max) / (2.0 * SETS as f64).sqrt();
+            // Exceeded with probability 2 exp(-2 * 2.6^2) = 3e-6.
+            assert!(off < 2.6, "{domain}, feature {k}: {off}");
+        }
+    }
 }
 
 #[test]
