@@ -28,7 +28,7 @@ fn samplers_show_rates_and_every_parameter() {
         "core=0.3 minimum distance in units of a hexagonal lattice's: in [0, 0.95]",
         "last empty degree 10 for N = 100, 31 for N = 1000, 100 for N = 10000",
         "N 12 nside^2 (12, 48, 108, ...); on the hemisphere 6 nside^2 (6, 24, 54, ...)",
-        "cost N^2 per step",
+        "cost N log N per step",
         "sets always the same, up to rotation",
         "sets independent uniform points; a sequence, the first points of a set are a set",
     ] {
@@ -133,8 +133,8 @@ fn documents_have_facts_as_numbers() {
     let place = Workplace::new();
     let document = place.run("list --json").json();
     let riesz = named(&document, "samplers", "riesz");
-    assert_eq!(riesz["cost"]["exponent"], 2.0);
-    assert_eq!(riesz["cost"]["text"], "N^2 per step");
+    assert_eq!(riesz["cost"]["exponent"], 1.0);
+    assert_eq!(riesz["cost"]["text"], "N log N per step");
     assert_eq!(riesz["smooth_rate"]["exponent"], -2.0);
     assert_eq!(riesz["parameters"][0]["default"], 1.0);
     assert_eq!(riesz["counts"]["sphere"], "any number from 1");

@@ -6,6 +6,9 @@ use crate::definition::Definition;
 use crate::optimization::RieszEnergy;
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
 
+/// The number of pairs a point whose direct sum takes as long as the split energy of a large set.
+const SPLIT_WORK: f64 = 2500.0;
+
 /// White noise after a number of steps that minimize the Riesz energy of exponent s, or the
 /// logarithmic energy for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
 ///
@@ -15,10 +18,12 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// so realizations differ by more than a rotation from about N = 16.
 ///
 /// The distribution is invariant under rotations, so every single point is uniform. The cost of a
-/// step is N^2 pairs, twice that on the hemisphere, and sometimes a multiple where a step is
-/// shortened: practical for thousands of points, not for millions. Non-integer exponents cost
-/// several times more. Results for integer s > 0 are the same on every machine; the others depend
-/// on the platform's `pow` and `log`.
+/// step is N^2 pairs below 2048 points, twice that on the hemisphere, and about linear in N above,
+/// where energies are split into near and far parts (see [`riesz_energy`](crate::riesz_energy));
+/// it is sometimes a multiple where a step is shortened. Non-integer exponents cost several times
+/// more. The near part runs on all threads; points do not depend on their number. Results for
+/// integer s > 0 and N < 2048 are the same on every machine; the others depend on the platform's
+/// `pow` and `log`, and on its registers.
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Purpose, Riesz, Sampler, Streams, riesz_energy};
@@ -72,7 +77,8 @@ impl Sampler for Riesz {
 
     fn nominal_work(&self) -> f64 {
         let n = f64::from(self.n);
-        6.5 * n * f64::from(self.iterations) / f64::from(Self::DEFAULT_ITERATIONS) * n
+        let pairs = n * n.min(SPLIT_WORK);
+        6.5 * pairs * f64::from(self.iterations) / f64::from(Self::DEFAULT_ITERATIONS)
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
@@ -128,7 +134,7 @@ impl Parametric for RieszParameters {
 impl Definition for RieszParameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
-            cost: CostOrder::QUADRATIC.times("per step"),
+            cost: CostOrder::LINEARITHMIC.times("per step"),
             low_degrees: "1e-5 l at N = 1024, where the steps reach",
             smooth_rate: Rate::power(-2.0),
             jump_rate: Rate::power(-1.5),
