@@ -60,6 +60,33 @@ impl<const N: usize> Bundle<N> {
         S::as_mut_simd_f32s(&mut self.reaches).0[v] = rays.reaches;
     }
 
+    /// Returns the reach of a ray.
+    #[inline(always)]
+    pub(crate) fn reach(&self, ray: usize) -> f32 {
+        self.reaches[ray]
+    }
+
+    /// Returns one bit per ray that is not decided.
+    #[inline(always)]
+    pub(crate) fn open<const WORDS: usize>(&self) -> [u64; WORDS] {
+        let mut open = [0; WORDS];
+        for (word, reaches) in open.iter_mut().zip(self.reaches.chunks(64)) {
+            for (i, &reach) in reaches.iter().enumerate() {
+                *word |= u64::from(reach >= 0.0) << i;
+            }
+        }
+        open
+    }
+
+    /// Marks rays as decided, one bit for each from `first` on.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, first: usize, mut rays: u64) {
+        while rays != 0 {
+            self.reaches[first + rays.trailing_zeros() as usize] = -1.0;
+            rays &= rays - 1;
+        }
+    }
+
     /// Sets `occluded[i]` if ray i is decided.
     #[inline(always)]
     pub(crate) fn report(&self, occluded: &mut [bool]) {

@@ -1,7 +1,9 @@
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::pages::Pages;
 use crate::geometry::partition::binary_tree;
 
 /// The number of children of a node.
@@ -16,14 +18,14 @@ const MAX_LEAF: u32 = 3;
 /// The corner is in f64, so that small objects on a large ground are resolved.
 #[derive(Clone, Debug)]
 pub(crate) struct Hierarchy {
-    pub(crate) nodes: Box<[Node]>,
+    pub(crate) nodes: Pages<Node>,
     /// For each place of a triangle in the hierarchy, its index in the input list.
     pub(crate) order: Box<[u32]>,
 }
 
 /// A node; 96 bytes.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(32))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(32))]
 pub(crate) struct Node {
     /// The corner with the smallest coordinates.
     pub(crate) base: DVec3,
@@ -38,6 +40,8 @@ pub(crate) struct Node {
     sizes: u16,
     /// One bit per child: set if it is a node.
     inner: u8,
+    /// Without a meaning.
+    padding: u8,
 }
 
 /// The kind of a child.
@@ -92,7 +96,7 @@ impl Hierarchy {
                 ..Node::around(&children)
             };
         }
-        Self { nodes: nodes.into(), order: order.into() }
+        Self { nodes: Pages::new(nodes.into_iter()), order: order.into() }
     }
 }
 
@@ -114,13 +118,14 @@ impl Hierarchy {
             dir.to_array().map(|d| 1.0 / if d.abs() < MIN_COMPONENT { MIN_COMPONENT } else { d }),
         );
         let mut farthest = f64::INFINITY;
+        let nodes = &*self.nodes;
         let mut stack = vec![(0.0, Child::Node(0))];
         while let Some((enter, child)) = stack.pop() {
             if enter > farthest {
                 continue;
             }
             let node = match child {
-                Child::Node(index) => &self.nodes[index as usize],
+                Child::Node(index) => &nodes[index as usize],
                 Child::Triangles { first, count } => {
                     farthest = visit(first, count);
                     continue;
@@ -171,6 +176,7 @@ impl Node {
         max: [[0; WIDTH]; 3],
         sizes: 0,
         inner: 0,
+        padding: 0,
     };
 
     /// Returns a node with the boxes of its children; empty boxes are absent children.
@@ -218,9 +224,10 @@ impl Node {
         Some(Child::Triangles { first, count })
     }
 
-    /// Returns whether there is a child at a place.
+    /// Returns one bit for each place that has a child.
     #[inline(always)]
-    pub(crate) fn has_child(&self, place: usize) -> bool {
-        self.inner & 1 << place != 0 || self.sizes >> (2 * place) & 3 != 0
+    pub(crate) fn present(&self) -> u32 {
+        let leaves = (0..WIDTH).filter(|place| self.sizes >> (2 * place) & 3 != 0);
+        leaves.fold(u32::from(self.inner), |bits, place| bits | 1 << place)
     }
 }

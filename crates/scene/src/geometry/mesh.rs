@@ -5,6 +5,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::duplicates::remove_duplicates;
 use crate::geometry::hierarchy::Hierarchy;
 use crate::geometry::order::coherent_order;
+use crate::geometry::pages::Pages;
 use crate::geometry::quad::normal_between;
 use crate::geometry::ray::{Meeting, WatertightRay};
 use crate::geometry::stream::Stream;
@@ -89,7 +90,7 @@ impl Mesh {
             places[number as usize] = place;
         }
         let ordered = hierarchy.order.iter().map(|&i| corners_of(&faces[i as usize]));
-        let triangles = Triangles { corners: ordered.collect(), scale };
+        let triangles = Triangles { corners: Pages::new(ordered), scale };
         Ok(Self { triangles, places: places.into(), bounds, hierarchy, arch: Arch::new() })
     }
 
@@ -155,7 +156,8 @@ impl Mesh {
         let mut results = vec![false; dirs.len()];
         self.arch.dispatch(Stream {
             nodes: &self.hierarchy.nodes,
-            triangles: &self.triangles,
+            triangles: &self.triangles.corners,
+            scale,
             origin,
             normal,
             front: reach.front(),

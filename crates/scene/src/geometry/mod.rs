@@ -9,6 +9,7 @@ pub(crate) mod hierarchy;
 pub(crate) mod hit;
 pub(crate) mod mesh;
 pub(crate) mod order;
+pub(crate) mod pages;
 pub(crate) mod partition;
 pub(crate) mod quad;
 pub(crate) mod quads;

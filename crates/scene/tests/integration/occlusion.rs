@@ -158,6 +158,41 @@ fn no_ray_leaves_a_closed_mesh() {
     }
 }
 
+/// Rays share nodes and triangles, but no result depends on the others: those that reach a node
+/// together test its children one after the other, few of them all children at once.
+#[test]
+fn rays_have_the_same_result_alone_and_together() {
+    let (vertices, faces) = field(40);
+    let mesh = Mesh::new(vertices, faces).expect("a mesh");
+    let reference = reference_of(&mesh);
+    let scene = Scene::from_mesh(mesh);
+    let mut numbers = Numbers(11);
+    let mut n_occluded = 0;
+    for point in 0..40 {
+        let above = numbers.inside(scene.bounds().min, scene.bounds().max).with_z(10.0);
+        let Some(hit) = scene.closest_hit(above, DVec3::NEG_Z) else { continue };
+        let start = scene.ray_origin(&hit);
+        let axis = numbers.direction();
+        // All around, close together, and through edges and corners.
+        let dirs = (0..300 + point).map(|i| match i % 4 {
+            0 => numbers.direction(),
+            1 => (reference.near_edges(&mut numbers) - start).normalize(),
+            _ => (axis + 0.01 * numbers.direction()).normalize(),
+        });
+        let dirs = dirs.collect::<Vec<_>>();
+        let reaches = dirs.iter().map(|_| 4.0 * numbers.unit() - 0.5).collect::<Vec<_>>();
+        let mut together = vec![false; dirs.len()];
+        scene.occlusion_into(&hit, &dirs, Reach::Each(&reaches), &mut together);
+        for ((dir, reach), together) in dirs.iter().zip(&reaches).zip(together) {
+            let mut alone = [false];
+            scene.occlusion_into(&hit, &[*dir], Reach::Each(&[*reach]), &mut alone);
+            assert_eq!(alone, [together], "from {start} along {dir}, reach {reach}");
+            n_occluded += usize::from(together);
+        }
+    }
+    assert!((1000..10000).contains(&n_occluded), "{n_occluded}");
+}
+
 #[test]
 fn degenerate_rays_have_a_result() {
     let hit = |scene: &Scene| {
