@@ -164,7 +164,7 @@ impl<S: Simd> Tracer<'_, S> {
                 Some(Child::Node(index)) => {
                     let node = &self.hierarchy[index as usize];
                     prefetch_index(node.base.as_ref(), 0);
-                    prefetch_index(&node.max[2], WIDTH - 1);
+                    prefetch_index(node.max[2].as_slice(), WIDTH - 1);
                     self.nodes.push((index, met[child]));
                 }
                 None => (),
@@ -332,7 +332,7 @@ fn lanes_from<S: Simd>(first: usize) -> u64 {
 
 /// A set of rays of a stream.
 #[derive(Clone, Copy, Debug)]
-struct RaySet([u64; RaySet::WORDS]);
+struct RaySet([u64; Self::WORDS]);
 
 impl RaySet {
     const WORDS: usize = STREAM / 64;
