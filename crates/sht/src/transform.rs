@@ -2,6 +2,7 @@ use glam::DVec3;
 use sphvar_sh::{Alm, Error};
 
 use crate::generators::{gradient_adjoint, moments_into};
+use crate::legendre::FUNCTIONS;
 use crate::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
 /// Method of computing coefficients.
@@ -65,9 +66,10 @@ impl Method {
         match self {
             Self::Auto => self.chosen(n_points, lmax).bytes(n_points, lmax, sets),
             Self::Exact => coefficients + (24.0 * copies + 150.0) * n,
-            // The grid is oversampled by 2 in both directions; its columns are stored for each set.
+            // The grid is oversampled by 2 in both directions; its columns are stored for each set
+            // of a group.
             Self::Fast => {
-                let grid = (64.0 + 32.0 * copies) * degrees * degrees;
+                let grid = (64.0 + 32.0 * copies.min(FUNCTIONS as f64)) * degrees * degrees;
                 coefficients + grid + (24.0 * copies + 80.0) * n
             }
         }
