@@ -7,7 +7,7 @@ use sphvar_sh::{Alm, Error};
 
 use crate::engine::{Engine, Scratch};
 use crate::generators::{RotationDerivatives, tangent_gradients};
-use crate::legendre::ValueRange;
+use crate::legendre::Arithmetic;
 use crate::{Method, RingTransform};
 
 /// Fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
@@ -20,7 +20,8 @@ use crate::{Method, RingTransform};
 /// constant theta (Clenshaw-Curtis nodes). A Legendre transform that is exact for degree L yields
 /// the coefficients. Synthesis is the transpose, step by step.
 ///
-/// For `epsilon >= 5e-7` the grids are in f32; the Legendre stage is always in f64.
+/// For `epsilon >= 5e-7` the grids are in f32. From 3e-7 on so are the values and short sums of the
+/// Legendre stage except near the equator; its recurrence and long sums are always in f64.
 ///
 /// # Performance
 ///
@@ -103,9 +104,8 @@ impl FastTransform {
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let design = Self::design(epsilon)?;
-        // Legendre functions below a thousandth of the accuracy are negligible.
-        let range = ValueRange::starting_at(0.001 * epsilon);
-        let rings = RingTransform::with_arch(lmax, arch, range)?;
+        let arithmetic = Arithmetic::new(epsilon, lmax);
+        let rings = RingTransform::with_arch(lmax, arch, arithmetic)?;
         let engine = if design.single {
             Precision::Single(Engine::new(lmax, design, arch))
         } else {

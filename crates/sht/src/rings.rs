@@ -2,7 +2,7 @@ use num_complex::Complex;
 use pulp::Arch;
 use sphvar_sh::{Alm, Colatitude, Error, LmIndex};
 
-use crate::legendre::{Adjoint, Columns, FUNCTIONS, Lanes, Order, Synthesis, ValueRange};
+use crate::legendre::{Adjoint, Arithmetic, Columns, FUNCTIONS, Lanes, Order, Synthesis};
 
 /// Legendre stage of a transform, between coefficients and Fourier coefficients `f_m` on rings r of
 /// constant colatitude.
@@ -19,7 +19,7 @@ use crate::legendre::{Adjoint, Columns, FUNCTIONS, Lanes, Order, Synthesis, Valu
 pub struct RingTransform {
     arch: Arch,
     index: LmIndex,
-    range: ValueRange,
+    arithmetic: Arithmetic,
 }
 
 /// Workspace of [`RingTransform`]; grows to the largest input so far.
@@ -46,7 +46,7 @@ impl RingWorker {
         transform: &RingTransform,
         colatitudes: impl Iterator<Item = Colatitude>,
     ) {
-        self.lanes.load(colatitudes, transform.lmax(), transform.range);
+        self.lanes.load(colatitudes, transform.lmax(), transform.arithmetic);
         self.orders = 0;
     }
 
@@ -62,7 +62,7 @@ impl RingWorker {
             self.lanes.start_order(transform.arch, order);
         }
         self.orders = m + 1;
-        self.order.fill(transform.arch, m, transform.lmax());
+        self.order.fill(transform.arch, m, transform.lmax(), transform.arithmetic);
     }
 
     /// Replaces `outs`, the coefficients of order `m` of up to `FUNCTIONS` functions, by those of
@@ -101,12 +101,16 @@ impl RingTransform {
     ///
     /// [`Error::DegreeTooLarge`] if `lmax` exceeds the limit of the coefficient index.
     pub fn new(lmax: usize) -> Result<Self, Error> {
-        Self::with_arch(lmax, Arch::new(), ValueRange::default())
+        Self::with_arch(lmax, Arch::new(), Arithmetic::default())
     }
 
-    /// Returns the transform for a given instruction set and a given range of significant values.
-    pub(crate) fn with_arch(lmax: usize, arch: Arch, range: ValueRange) -> Result<Self, Error> {
-        Ok(Self { arch, index: LmIndex::new(lmax)?, range })
+    /// Returns the transform for a given instruction set and a given arithmetic.
+    pub(crate) fn with_arch(
+        lmax: usize,
+        arch: Arch,
+        arithmetic: Arithmetic,
+    ) -> Result<Self, Error> {
+        Ok(Self { arch, index: LmIndex::new(lmax)?, arithmetic })
     }
 
     /// Returns the layout of the coefficients.

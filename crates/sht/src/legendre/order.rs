@@ -1,13 +1,11 @@
 use num_complex::Complex;
 use pulp::{Arch, NullaryFnOnce};
 
-use super::PARTS;
+use super::number::Number;
+use super::{Arithmetic, PARTS};
 
-/// Maximum number of steps between two checks of the range of the values.
+/// Number of steps between two checks of the range of the values.
 pub(super) const SPAN: usize = 16;
-
-/// Growth of the functions that ends a segment early.
-const MAX_GROWTH: f64 = (1u64 << 60) as f64;
 
 /// Number of coefficients computed side by side.
 const WIDTH: usize = 8;
@@ -22,7 +20,7 @@ const WIDTH: usize = 8;
 /// ```
 ///
 /// `mu_n` is proportional to the Jacobi polynomial `P_n^(m,1/2)(cos 2 theta)` and the even
-/// functions to `P_n^(m,-1/2)` (DLMF 18.7.15, 18.7.16, 18.9.5). The recurrence is described at
+/// functions to `P_n^(m,-1/2)` (DLMF 18.7.15, 18.7.16, 18.9.5). The recurrences are described at
 /// [`Sequence`].
 ///
 /// # References
@@ -31,35 +29,44 @@ const WIDTH: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order {
     len: usize,
+    connections: Vec<Connection>,
+    /// The coefficients of forms with differences.
     rows: Vec<Row>,
-    segments: Vec<Segment>,
-    sequences: [Sequence; 2],
+    /// The coefficients of the form without differences.
+    ratios: Vec<Ratio>,
+    /// Indexed by `Form::steps`; those of unused forms are out of date.
+    sequences: [Sequence; 3],
 }
 
-/// A section of the recurrence between two checks of the range of its values.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    /// The index after its last step.
-    pub(super) end: usize,
-    /// The maximum growth of a value within the segment.
-    pub(super) growth: f64,
-}
-
-/// The end of the interval at which a recurrence is most accurate.
+/// The form of the recurrence for a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(super) enum Form {
+    /// Differences from the equator, for lanes near it.
     Equator = 0,
+    /// Differences from the pole, for lanes near one.
     Pole = 1,
+    /// Values only. This takes two operations for a step instead of three. Its rounding errors are
+    /// those of the other forms times about `1/sin 2 theta`.
+    Middle = 2,
+    /// The same with values rounded to f32 for the sums.
+    Single = 3,
 }
 
-impl Anchor {
-    pub(super) const BOTH: [Self; 2] = [Self::Equator, Self::Pole];
+impl Form {
+    pub(super) const ALL: [Self; 4] = [Self::Equator, Self::Pole, Self::Middle, Self::Single];
+
+    /// Returns the index of the steps of the recurrence.
+    fn steps(self) -> usize {
+        (self as usize).min(Self::Middle as usize)
+    }
 }
 
-/// The recurrence of the Jacobi polynomials in difference form.
+/// The steps of a recurrence in one form.
 ///
-/// Let j be the polynomial normalized to 1 at the anchor and y the squared distance from it,
-/// `y = sin^2 theta` from the pole or `y = cos^2 theta` from the equator. Then
+/// # With differences
+///
+/// Let j be the polynomial normalized to 1 at an anchor, the pole or the equator, and y the squared
+/// distance from it, `y = sin^2 theta` or `y = cos^2 theta`. Then
 ///
 /// ```text
 /// d' = r d - c y j,    j' = j + d'
@@ -72,21 +79,31 @@ impl Anchor {
 /// would lose a factor of about the degree. Moving factors between d and j reduces a step to three
 /// operations, `d -= (forcing y) j; j += follow d`. At the end of a segment, before they exceed the
 /// range of f64, the factors are moved back.
+///
+/// # Without differences
+///
+/// With `e_l^2 = (l^2 - m^2)/(4 l^2 - 1)` and l = m + 2n + 1 the orthonormal functions obey
+///
+/// ```text
+/// cos^2 theta mu_n = g_{n+1} mu_{n+1} + (e_{l+1}^2 + e_l^2) mu_n + g_n mu_{n-1},
+/// g_n = e_{l-1} e_l
+/// ```
+///
+/// For `mu_n = (1, 1, -1, -1)_n s_n p_n` with `s_0 = s_1 = 1`, `s_n s_{n+1} = g_1/g_{n+1}` a step
+/// has two operations, `p_{n+1} = (slope y + offset) p_n + p_{n-1}` with `y = cos^2 theta - 1/2`
+/// and `slope = (-1)^n s_n^2/g_1`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sequence {
     pub(super) steps: Vec<Step>,
-    /// Indexed by segment.
+    /// Indexed by segment of `SPAN` steps. Empty in the form without differences.
     pub(super) factors: Vec<Factors>,
     /// The factors that convert values to `mu_n`.
     norm: Vec<f64>,
 }
 
-/// The step from n to n + 1.
+/// The step from n to n + 1: forcing and follow, or slope and offset.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub(super) forcing: f64,
-    pub(super) follow: f64,
-}
+pub(super) struct Step(pub(super) f64, pub(super) f64);
 
 /// Factors applied to value and difference at the end of a segment.
 #[derive(Clone, Copy, Debug)]
@@ -96,18 +113,29 @@ pub(super) struct Factors {
 }
 
 impl Order {
-    /// Replaces the coefficients by those of order `m` for degrees `m..=lmax`; requires m <= lmax.
+    /// Replaces the coefficients by those of order `m` for degrees `m..=lmax` and the forms of
+    /// `arithmetic`; requires m <= lmax.
     ///
     /// # Performance
     ///
-    /// About 40 operations per step, a quarter of them vector divisions or square roots.
-    pub(crate) fn fill(&mut self, arch: Arch, m: usize, lmax: usize) {
+    /// About 30 operations per step and form, a fifth of them vector divisions or square roots.
+    pub(crate) fn fill(&mut self, arch: Arch, m: usize, lmax: usize, arithmetic: Arithmetic) {
         self.len = (lmax - m) / 2 + 1;
-        self.rows.resize(self.len.div_ceil(WIDTH), Row::default());
-        arch.dispatch(Fill { m: m as f64, rows: &mut self.rows });
-        self.split_segments();
-        for anchor in Anchor::BOTH {
-            self.scale(anchor);
+        let n_rows = self.len.div_ceil(WIDTH);
+        let m = m as f64;
+        self.connections.resize(n_rows, Connection::default());
+        arch.dispatch(Fill { m, rows: &mut self.connections });
+        if arithmetic.uses(Form::Equator) {
+            self.rows.resize(n_rows, Row::default());
+            arch.dispatch(Fill { m, rows: &mut self.rows });
+            self.scale(Form::Equator);
+            self.scale(Form::Pole);
+        }
+        if arithmetic.uses(Form::Middle) || arithmetic.uses(Form::Single) {
+            self.ratios.resize(n_rows, Ratio::default());
+            arch.dispatch(Fill { m, rows: &mut self.ratios });
+            self.chain();
+            arch.dispatch(SignedRoots(&mut self.sequences[Form::Middle as usize].norm));
         }
     }
 
@@ -116,87 +144,85 @@ impl Order {
         self.len
     }
 
-    pub(super) fn segments(&self) -> &[Segment] {
-        &self.segments
+    pub(super) fn sequence(&self, form: Form) -> &Sequence {
+        &self.sequences[form.steps()]
     }
 
-    pub(super) fn sequence(&self, anchor: Anchor) -> &Sequence {
-        &self.sequences[anchor as usize]
-    }
-
-    fn at(&self, n: usize) -> (&Row, usize) {
-        (&self.rows[n / WIDTH], n % WIDTH)
-    }
-
-    /// Splits the steps into segments.
-    fn split_segments(&mut self) {
-        self.segments.clear();
-        let (mut start, mut growth) = (0, 1.0);
-        for n in 0..self.len {
-            let (row, i) = self.at(n);
-            growth *= row.growth[i];
-            if n + 1 - start == SPAN || growth > MAX_GROWTH || n + 1 == self.len {
-                self.segments.push(Segment { end: n + 1, growth });
-                (start, growth) = (n + 1, 1.0);
-            }
-        }
-    }
-
-    /// Moves the factors of one recurrence from values to coefficients.
-    fn scale(&mut self, anchor: Anchor) {
-        let mut sequence = std::mem::take(&mut self.sequences[anchor as usize]);
-        let Sequence { steps, factors, norm } = &mut sequence;
+    /// Moves the factors of a recurrence with differences from values to coefficients.
+    fn scale(&mut self, anchor: Form) {
+        let Sequence { steps, factors, norm } = &mut self.sequences[anchor as usize];
         steps.clear();
         factors.clear();
         norm.clear();
-        let mut n = 0;
-        for &Segment { end, .. } in &self.segments {
-            // mu = size j, and the true difference is shrink d.
-            let (mut size, mut shrink) = (1.0, 1.0);
-            while n < end {
-                let (row, i) = self.at(n);
-                let (damping, forcing, growth) = match anchor {
-                    Anchor::Equator => {
-                        (row.equator_damping[i], row.equator_forcing[i], row.equator_growth[i])
-                    }
-                    Anchor::Pole => (row.damping[i], row.forcing[i], row.growth[i]),
-                };
-                norm.push(size);
-                // The first difference is zero, so its factor is arbitrary.
-                shrink *= if n == 0 { 1.0 } else { damping };
-                size *= growth;
-                steps.push(Step { forcing: forcing / shrink, follow: shrink });
-                n += 1;
+        // mu = size j, and the true difference is shrink d.
+        let (mut size, mut shrink) = (1.0, 1.0);
+        for n in 0..self.len {
+            let (row, i) = (&self.rows[n / WIDTH], n % WIDTH);
+            let (damping, forcing, growth) = match anchor {
+                Form::Equator => {
+                    (row.equator_damping[i], row.equator_forcing[i], row.equator_growth[i])
+                }
+                _ => (row.damping[i], row.forcing[i], row.growth[i]),
+            };
+            norm.push(size);
+            // The first difference is zero, so its factor is arbitrary.
+            shrink *= if n == 0 { 1.0 } else { damping };
+            size *= growth;
+            steps.push(Step(forcing / shrink, shrink));
+            if (n + 1).is_multiple_of(SPAN) || n + 1 == self.len {
+                factors.push(Factors { value: size, difference: shrink * size });
+                (size, shrink) = (1.0, 1.0);
             }
-            factors.push(Factors { value: size, difference: shrink * size });
         }
-        self.sequences[anchor as usize] = sequence;
+    }
+
+    /// Computes the steps without differences, and the squares of their norms.
+    fn chain(&mut self) {
+        let Sequence { steps, norm, .. } = &mut self.sequences[Form::Middle as usize];
+        steps.clear();
+        norm.clear();
+        let Some(first) = self.ratios.first() else { return };
+        let root = first.product[0].sqrt();
+        // Squares of s_n. Each odd one follows from the even one before, so that rounding errors
+        // of `s_n s_{n+1}` do not accumulate.
+        let mut square = 1.0;
+        for row in &self.ratios {
+            for (i, pair) in (0..WIDTH).step_by(2).zip(row.product.as_chunks::<2>().0) {
+                let next = first.product[0] / (pair[0] * square);
+                for (i, square, sign) in [(i, square, 1.0), (i + 1, next, -1.0)] {
+                    let slope = sign * square / root;
+                    steps.push(Step(slope, -slope * row.center[i]));
+                    norm.push(square);
+                }
+                square *= pair[0] / pair[1];
+            }
+        }
+        steps.truncate(self.len);
+        norm.truncate(self.len);
     }
 
     /// Writes the coefficients of one function to `column`, for degrees from m on. `sums` are the
-    /// sums of values of each recurrence, indexed by anchor: for each n, `n_columns` numbers of
-    /// which a function has `PARTS`.
+    /// sums of values in each of `forms`, indexed by form: for each n, `PARTS` for each of
+    /// `n_functions`.
     #[inline(always)]
     pub(super) fn collect(
         &self,
-        sums: &[Vec<f64>; 2],
-        n_columns: usize,
+        arithmetic: Arithmetic,
+        sums: &[Vec<f64>; 4],
+        n_functions: usize,
         function: usize,
         column: &mut [Complex<f64>],
     ) {
-        let [equator, pole] = &self.sequences;
-        let sums = sums[0].chunks_exact(n_columns).zip(sums[1].chunks_exact(n_columns));
-        let norms = equator.norm.iter().zip(&pole.norm);
-        let connections = self.rows.iter().flat_map(|row| row.near.iter().zip(&row.far));
+        let connections = self.connections.iter().flat_map(|row| row.near.iter().zip(&row.far));
         let mut previous = Complex::ZERO;
-        for (((pair, sums), norms), (&near, &far)) in
-            column.chunks_mut(2).zip(sums).zip(norms).zip(connections)
-        {
-            let part = |row: &'_ [f64]| row.as_chunks::<PARTS>().0[function];
-            let (equator, pole) = (part(sums.0), part(sums.1));
+        for (n, (pair, (&near, &far))) in column.chunks_mut(2).zip(connections).enumerate() {
             let mut sum = [0.0; PARTS];
-            for i in 0..PARTS {
-                sum[i] = equator[i] * norms.0 + pole[i] * norms.1;
+            for form in Form::ALL.into_iter().filter(|&form| arithmetic.uses(form)) {
+                let norm = self.sequence(form).norm[n];
+                let part = sums[form as usize].as_chunks::<PARTS>().0[n * n_functions + function];
+                for (sum, part) in sum.iter_mut().zip(part) {
+                    *sum += part * norm;
+                }
             }
             let even = Complex::new(sum[0], sum[1]);
             pair[0] = even * near + previous * far;
@@ -207,35 +233,46 @@ impl Order {
         }
     }
 
-    /// Computes the factors of the values of each recurrence: the transpose of [`Self::collect`].
+    /// Computes the factors of the values in one form: the transpose of [`Self::collect`].
     #[inline(always)]
-    pub(super) fn distribute(
+    pub(super) fn distribute<T: Number>(
         &self,
+        form: Form,
         column: &[Complex<f64>],
-        n_columns: usize,
+        n_functions: usize,
         function: usize,
-        terms: &mut [Vec<f64>; 2],
+        terms: &mut [T],
     ) {
         let entry = |l: usize| column.get(l).copied().unwrap_or_default();
-        for n in 0..self.len {
-            let (row, i) = self.at(n);
+        let at = |n: usize| (&self.connections[n / WIDTH], n % WIDTH);
+        let norms = &self.sequence(form).norm[..self.len];
+        let terms = terms.as_chunks_mut::<PARTS>().0[function..].iter_mut().step_by(n_functions);
+        for (n, (terms, norm)) in terms.zip(norms).enumerate() {
+            let (row, i) = at(n);
             let mut even = entry(2 * n) * row.near[i];
             if n + 1 < self.len {
-                let (next, i) = self.at(n + 1);
+                let (next, i) = at(n + 1);
                 even += entry(2 * n + 2) * next.far[i];
             }
             let odd = entry(2 * n + 1);
-            for (terms, sequence) in terms.iter_mut().zip(&self.sequences) {
-                let at = n * n_columns + function * PARTS;
-                let norm = sequence.norm[n];
-                let parts = [even.re, even.im, odd.re, odd.im].map(|x| x * norm);
-                terms[at..at + PARTS].copy_from_slice(&parts);
-            }
+            *terms = [even.re, even.im, odd.re, odd.im].map(|x| T::of(x * norm));
         }
     }
 }
 
 /// Coefficients for `WIDTH` consecutive n.
+trait FillRow {
+    fn fill(&mut self, n: [f64; WIDTH], m: f64);
+}
+
+/// `A_n` and `B_n`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Connection {
+    near: [f64; WIDTH],
+    far: [f64; WIDTH],
+}
+
+/// Coefficients of both forms with differences.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     /// r, c, and the growth of `mu_n` at the pole from n to n + 1.
@@ -246,54 +283,111 @@ struct Row {
     equator_damping: [f64; WIDTH],
     equator_forcing: [f64; WIDTH],
     equator_growth: [f64; WIDTH],
-    /// `A_n` and `B_n`.
-    near: [f64; WIDTH],
-    far: [f64; WIDTH],
+}
+
+/// Coefficients of the form without differences.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ratio {
+    /// The square of `g_{n+1}`.
+    product: [f64; WIDTH],
+    /// `e_{l+1}^2 + e_l^2 - 1/2`.
+    center: [f64; WIDTH],
+}
+
+impl FillRow for Connection {
+    #[inline(always)]
+    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+        for i in 0..WIDTH {
+            let k = 2.0 * n[i] + m;
+            let (above, below) = (k + m, 2.0 * n[i]);
+            let half = 1.0 / (k + 0.5);
+            self.near[i] = (n[i] + m + 0.5)
+                * half
+                * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
+            // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
+            // result is 0.
+            self.far[i] =
+                half * ((2.0 * k + 1.0) * above * (0.5 * n[i]) / (2.0 * k - 1.0).abs()).sqrt();
+        }
+    }
+}
+
+impl FillRow for Row {
+    #[inline(always)]
+    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+        for i in 0..WIDTH {
+            let n = n[i];
+            let k = 2.0 * n + m;
+            let at_pole = 1.0 / (n + m + 1.0);
+            let at_equator = 1.0 / (n + 1.5);
+            let half = 1.0 / (k + 0.5);
+            let common = (k + 2.5) / (n + m + 1.5);
+            self.damping[i] = n * (n + 0.5) * common * half * at_pole;
+            self.equator_damping[i] = n * (n + m) * common * half * at_equator;
+            self.forcing[i] = (k + 1.5) * common * at_pole;
+            self.equator_forcing[i] = (k + 1.5) * common * at_equator;
+            // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to
+            // l+2 for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
+            let (above, below) = (k + m, k - m);
+            let growth = ((2.0 * k + 7.0) * (above + 2.0) * (above + 3.0)
+                / ((2.0 * k + 3.0) * (below + 2.0) * (below + 3.0)))
+                .sqrt();
+            self.growth[i] = growth;
+            // P_n(-1)/P_n(1) of the Jacobi polynomials, from n to n + 1.
+            self.equator_growth[i] = -growth * (n + 1.5) * at_pole;
+        }
+    }
+}
+
+impl FillRow for Ratio {
+    #[inline(always)]
+    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+        for i in 0..WIDTH {
+            let k = 2.0 * n[i] + m;
+            let (above, below) = (k + m, 2.0 * n[i]);
+            // The numerators of e_l^2, e_{l+1}^2 and e_{l+2}^2 for l = k + 1, and the denominators
+            // (2l-1)(2l+1), with one division.
+            let [first, second, third] =
+                [1.0, 2.0, 3.0].map(|step| (below + step) * (above + step));
+            let [a, b, c, d] = [1.0, 3.0, 5.0, 7.0].map(|step| 2.0 * k + step);
+            let inverse = 1.0 / ((a * b) * (c * c * d));
+            self.product[i] = second * third * (inverse * a);
+            self.center[i] = (first * c + second * a) * (inverse * (c * d)) - 0.5;
+        }
+    }
 }
 
 /// Computes the coefficients for every n, vectorized by the compiler.
-struct Fill<'a> {
+struct Fill<'a, R> {
     m: f64,
-    rows: &'a mut [Row],
+    rows: &'a mut [R],
 }
 
-impl NullaryFnOnce for Fill<'_> {
+impl<R: FillRow> NullaryFnOnce for Fill<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
         let Self { m, rows } = self;
-        let mut first = 0.0;
+        let mut n: [f64; WIDTH] = std::array::from_fn(|i| i as f64);
         for row in rows {
-            for i in 0..WIDTH {
-                let n = first + i as f64;
-                let k = 2.0 * n + m;
-                let at_pole = 1.0 / (n + m + 1.0);
-                let at_equator = 1.0 / (n + 1.5);
-                let half = 1.0 / (k + 0.5);
-                let common = (k + 2.5) / (n + m + 1.5);
-                row.damping[i] = n * (n + 0.5) * common * half * at_pole;
-                row.equator_damping[i] = n * (n + m) * common * half * at_equator;
-                row.forcing[i] = (k + 1.5) * common * at_pole;
-                row.equator_forcing[i] = (k + 1.5) * common * at_equator;
-                // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to
-                // l+2 for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
-                let (above, below) = (k + m, k - m);
-                let growth = ((2.0 * k + 7.0) * (above + 2.0) * (above + 3.0)
-                    / ((2.0 * k + 3.0) * (below + 2.0) * (below + 3.0)))
-                    .sqrt();
-                row.growth[i] = growth;
-                // P_n(-1)/P_n(1) of the Jacobi polynomials, from n to n + 1.
-                row.equator_growth[i] = -growth * (n + 1.5) * at_pole;
-                row.near[i] = (n + m + 0.5)
-                    * half
-                    * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
-                // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
-                // result is 0.
-                row.far[i] =
-                    half * ((2.0 * k + 1.0) * above * (0.5 * n) / (2.0 * k - 1.0).abs()).sqrt();
-            }
-            first += WIDTH as f64;
+            row.fill(n, m);
+            n = n.map(|n| n + WIDTH as f64);
+        }
+    }
+}
+
+/// Replaces squares of norms by norms.
+struct SignedRoots<'a>(&'a mut [f64]);
+
+impl NullaryFnOnce for SignedRoots<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (n, norm) in self.0.iter_mut().enumerate() {
+            let root = norm.sqrt();
+            *norm = if n & 2 == 0 { root } else { -root };
         }
     }
 }
