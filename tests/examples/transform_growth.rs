@@ -5,8 +5,9 @@
 //! prints medians, and takes about a minute.
 //!
 //! The fractions are differences: an empty set has the cost of the grid, and the Legendre stage is
-//! timed separately on the same number of rings. There it includes values down to 1e-20 for any
-//! epsilon, which takes up to a tenth longer.
+//! timed separately on the same number of rings. There it is that of the exact transform for any
+//! epsilon, in f64 with values down to 1e-20. In a fast transform it is shorter, by up to 40 % at
+//! 1e-5, and the fraction of the Fourier transforms larger by as much.
 
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 
