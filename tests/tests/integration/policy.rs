@@ -106,7 +106,7 @@ spiral 192: 192 520 58 0 exact
 spiral 3072: 3072 2200 4 - fast
 best-candidate 12: 115 32 8232 256 exact
 best-candidate 192: 29491 52 254 254 exact
-best-candidate 3072: 7549747 220 4 - fast beyond the budget
+best-candidate 3072: 4085211 220 4 - fast beyond the budget
 leja 12: 36 320 154 0 exact
 leja 192: 9216 520 55 0 exact
 leja 3072: 2359296 2200 4 - fast
@@ -118,7 +118,7 @@ dpp 192: 445907 52 17 - exact
 dpp 3072: 1826434843 220 4 - fast
 riesz 12: 936 32 4463 8 exact
 riesz 192: 239616 52 33 - exact
-riesz 3072: 61341696 220 4 - fast beyond the budget
+riesz 3072: 39936000 220 4 - fast beyond the budget
 sobol 12: 12 32 9211 128 exact
 sobol 192: 192 52 3830 16 exact
 sobol 3072: 3072 220 259 - fast

@@ -7,7 +7,7 @@ use crate::optimization::RieszEnergy;
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
 
 /// The number of pairs a point whose direct sum takes as long as the split energy of a large set.
-const SPLIT_WORK: f64 = 2500.0;
+const SPLIT_WORK: f64 = 2000.0;
 
 /// White noise after a number of steps that minimize the Riesz energy of exponent s, or the
 /// logarithmic energy for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).

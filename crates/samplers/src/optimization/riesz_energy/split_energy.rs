@@ -220,7 +220,8 @@ mod tests {
     }
 
     /// Returns the errors of energy and tangent gradient, relative to the sum of the magnitudes of
-    /// energies of pairs, at least their number, and to the norm of the gradient.
+    /// energies of pairs and to the norm of the gradient; at least to those of the far part of two
+    /// near points, which every point has with itself.
     fn errors(energy: RieszEnergy, split: &mut SplitEnergy, points: &[DVec3]) -> [f64; 2] {
         let (mut fast, mut slow) = (Vec::new(), Vec::new());
         let got = split.energy(points);
@@ -229,11 +230,12 @@ mod tests {
         for (slow, &p) in slow.iter_mut().zip(points) {
             *slow = DVec3::tangent(*slow, p);
         }
-        let scale = expected.abs().max((points.len() * points.len()) as f64);
+        let n = points.len() as f64;
+        let own = split.splitting.at_zero.abs().max(1.0);
+        let scale = expected.abs().max(n * n).max(n * own);
         let off: Vec<_> = fast.iter().zip(&slow).map(|(a, b)| *a - *b).collect();
         let size = norm(&slow);
-        // A gradient without forces on any point is exact to rounding.
-        [(got - expected).abs() / scale, norm(&off) / size.max(1.0)]
+        [(got - expected).abs() / scale, norm(&off) / size.max(own / split.cutoff)]
     }
 
     #[test]
