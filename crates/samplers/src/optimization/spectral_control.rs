@@ -7,6 +7,7 @@ mod profile;
 mod search;
 mod single_peak;
 mod sphere_bands;
+mod staged;
 mod target;
 
 use glam::DVec3;
@@ -17,14 +18,18 @@ use crate::patterns::poisson_disk::greatest_chord;
 use crate::patterns::white_noise;
 use crate::{Domain, Error, PointSet, Progress, Sampler, count};
 pub(super) use distance_penalty::DistancePenalty;
+#[cfg(test)]
+pub(super) use distance_penalty::NearPairs;
 pub(super) use energy::{ACCURACIES, Band, BandTransform, SpectralEnergy};
 pub(super) use freedom::MAX_SHARE;
-use freedom::{coefficients, degree_within, degrees_of_freedom};
+pub(super) use freedom::degree_within;
+use freedom::{coefficients, degrees_of_freedom};
 pub use noise_colour::NoiseColour;
 pub use profile::PowerProfile;
-pub(super) use search::{Search, descent_steps, infeasible_power, starts};
+pub(super) use search::{MIN_STAGED, Search, descent_steps, infeasible_power, starts};
 pub use single_peak::SinglePeak;
-use sphere_bands::SphereBands;
+pub(super) use sphere_bands::SphereBands;
+pub(super) use staged::StagedEnergy;
 pub use target::SpectralTarget;
 
 /// Point sets with a prescribed power at every degree of a target, in every realization, obtained
@@ -37,7 +42,9 @@ pub use target::SpectralTarget;
 /// A limited-memory BFGS method over the fast transforms minimizes the sum of the deviation of the
 /// amplitudes, weighted as in the logarithmic energy, and the penalty. It takes about
 /// `8 (1 + sqrt f)/(1 - sqrt f)` steps for any N, where f is the ratio of the number of vanishing
-/// coefficients to the 2N - 3 degrees of freedom. A set that stalls is discarded and restarted; a
+/// coefficients to the 2N - 3 degrees of freedom. The accuracy of the transforms increases as the
+/// deviation decreases; if the target is 0 up to some degree only, the last steps of 1024 points or
+/// more transform these degrees alone. A set that stalls is discarded and restarted; a
 /// target that cannot be met is an error.
 ///
 /// On the hemisphere the spectrum is that of the points and their antipodes: even degrees only.
@@ -321,12 +328,26 @@ impl Sampler for SpectralControl {
         let start = |points: &mut Vec<DVec3>| {
             points.extend((0..n).map(|_| white_noise::uniform_direction(self.domain, rng)));
         };
-        let energy = || {
-            let transform = SphereBands::new(self.target.last_degree(), n)?;
-            let bands = SphereBands::targets(&self.target, self.domain);
-            Ok(SpectralEnergy::new(transform, bands, core, n))
+        let bands = SphereBands::targets(&self.target, self.domain);
+        let of_degrees = |last: usize, bands: Vec<Band>| {
+            Ok(SpectralEnergy::new(SphereBands::new(last, n)?, bands, core, n))
         };
-        let Some(reached) = search.run(points, start, energy, &|| progress.tick(step))? else {
+        let last = Self::last_empty_degree(self);
+        let is_staged = n >= MIN_STAGED.0
+            && last > 0
+            && self.target.last_degree() as f64 >= MIN_STAGED.1 * last as f64;
+        let staged = || {
+            if !is_staged {
+                return Ok(None);
+            }
+            let of_low = bands.iter().copied().filter(|band| band.index <= last).collect();
+            let vanishing = of_degrees(last, of_low)?;
+            let all = of_degrees(self.target.last_degree(), bands.clone())?;
+            Ok(Some(StagedEnergy::new(all, vanishing)))
+        };
+        let energy = || of_degrees(self.target.last_degree(), bands.clone());
+        let reached = search.run(points, start, staged, energy, &|| progress.tick(step))?;
+        let Some(reached) = reached else {
             for p in points.iter_mut() {
                 *p = self.domain.representative(*p);
             }

@@ -8,8 +8,8 @@ use rand::{Rng, RngExt};
 use sphvar_grammar::Range;
 
 use super::spectral_control::{
-    DistancePenalty, PowerProfile, Search, SpectralControl, SpectralEnergy, descent_steps,
-    in_range, infeasible_power, starts,
+    DistancePenalty, MIN_STAGED, PowerProfile, Search, SpectralControl, SpectralEnergy,
+    StagedEnergy, descent_steps, in_range, infeasible_power, starts,
 };
 use crate::square::poisson_disk_square::greatest_distance;
 use crate::square::turns::wrapped;
@@ -183,6 +183,17 @@ impl SquareSpectralControl {
         Ok(Self { n, name, target, last_empty_square: last, sigma: 0.0, work })
     }
 
+    /// Returns the target of the frequencies without power alone, if a transform of only these
+    /// takes less time than that of all.
+    fn vanishing_target(&self) -> Result<Option<RadialTarget>, Error> {
+        let last = (self.last_empty_square as f64 + 0.5).sqrt();
+        let is_large = self.target.last() as f64 >= MIN_STAGED.1 * last;
+        if self.n_points() < MIN_STAGED.0 || self.last_empty_square == 0 || !is_large {
+            return Ok(None);
+        }
+        RadialTarget::new(last, |_| 0.0).map(Some)
+    }
+
     /// Returns the same pattern with a minimum distance of `core` times the spacing of a hexagonal
     /// lattice, `sqrt(2/(sqrt(3) N))`, or of an upper bound on the toroidal distance of N points if
     /// that is smaller, as for two points; see [`Self::core_distance`].
@@ -247,12 +258,20 @@ impl SquareSampler for SquareSpectralControl {
         let start = |points: &mut Vec<DVec2>| {
             points.extend((0..n).map(|_| DVec2::from(rng.random::<[f64; 2]>())));
         };
-        let energy = || {
-            let transform = TorusBands::new(&self.target)?;
-            Ok(SpectralEnergy::new(transform, self.target.bands().to_vec(), core, n))
+        let vanishing = self.vanishing_target()?;
+        let of_bands = |target| {
+            let bands = RadialTarget::bands(target).to_vec();
+            Ok(SpectralEnergy::new(TorusBands::new(target)?, bands, core, n))
         };
+        let staged = || match &vanishing {
+            Some(vanishing) => {
+                Ok(Some(StagedEnergy::new(of_bands(&self.target)?, of_bands(vanishing)?)))
+            }
+            None => Ok(None),
+        };
+        let energy = || of_bands(&self.target);
         let mut points = Vec::with_capacity(n);
-        let stalled = search.run(&mut points, start, energy, &|| progress.tick(step))?;
+        let stalled = search.run(&mut points, start, staged, energy, &|| progress.tick(step))?;
         let Some(reached) = stalled else {
             set.start().extend(points.iter().map(|&p| wrapped(p).to_array()));
             return Ok(());

@@ -44,4 +44,15 @@ impl<P: Copy> Chains<P> {
             Some(node.point)
         })
     }
+
+    /// Returns how many points had been inserted before each point of the cell of that index.
+    #[inline]
+    pub(super) fn numbers(&self, cell: u32) -> impl Iterator<Item = u32> {
+        let mut at = self.heads[cell as usize];
+        std::iter::from_fn(move || {
+            let number = at;
+            at = self.nodes.get(at as usize)?.next;
+            Some(number)
+        })
+    }
 }

@@ -108,6 +108,13 @@ impl Grid {
         self.neighbourhood(place).flat_map(|p| self.chains.points(p))
     }
 
+    /// Returns the numbers of all points that can lie within the disks' radius of the cell at
+    /// `place`: the k-th inserted point, from 0, has the number k, on the hemisphere 2k and its
+    /// antipode 2k + 1.
+    pub(crate) fn near_numbers(&self, place: u32) -> impl Iterator<Item = u32> {
+        self.neighbourhood(place).flat_map(|p| self.chains.numbers(p))
+    }
+
     /// Returns the indices of the cell at `place` and of the cells around it.
     #[inline]
     fn neighbourhood(&self, place: u32) -> impl Iterator<Item = u32> {

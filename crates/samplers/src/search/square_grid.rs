@@ -67,14 +67,26 @@ impl SquareGrid {
     /// periodic images nearest to the cell.
     #[inline]
     pub(crate) fn near(&self, index: u32) -> impl Iterator<Item = DVec2> {
+        self.around(index)
+            .flat_map(|(cell, shift)| self.chains.points(cell).map(move |p| p + shift))
+    }
+
+    /// Returns the numbers of the points of [`Self::near`], in order of insertion from 0. In a grid
+    /// of fewer than three cells per side a number can occur for several images.
+    pub(crate) fn near_numbers(&self, index: u32) -> impl Iterator<Item = u32> {
+        self.around(index).flat_map(|(cell, _)| self.chains.numbers(cell))
+    }
+
+    /// Returns the cell of that index and those around it, each with the shift to its periodic
+    /// image.
+    #[inline]
+    fn around(&self, index: u32) -> impl Iterator<Item = (u32, DVec2)> {
         let (ix, iy) = (index % self.side, index / self.side);
         let rows = [0, 1, 2].map(|step| self.beside(iy, step));
         let columns = [0, 1, 2].map(|step| self.beside(ix, step));
         rows.into_iter().flatten().flat_map(move |(row, up)| {
-            columns.into_iter().flatten().flat_map(move |(column, right)| {
-                let shift = DVec2::new(right, up);
-                self.chains.points(self.index(column, row)).map(move |p| p + shift)
-            })
+            let columns = columns.into_iter().flatten();
+            columns.map(move |(column, right)| (self.index(column, row), DVec2::new(right, up)))
         })
     }
 

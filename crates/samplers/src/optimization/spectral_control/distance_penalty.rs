@@ -12,7 +12,7 @@ use crate::{Domain, Square};
 /// With kappa = 1/2 a unit step along the negative gradient moves an isolated pair exactly to the
 /// distance sigma.
 ///
-/// On the square distances are toroidal.
+/// On the square distances are toroidal, those of the nearest periodic image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistancePenalty<S> {
     pub(crate) space: S,
@@ -27,23 +27,27 @@ pub(crate) trait PenaltySpace: Copy {
     /// The points by location.
     type Near;
 
-    /// Returns the points by location for queries within `sigma`, and the location of each.
-    fn locate(self, points: &[Self::Point], sigma: f64) -> (Self::Near, Vec<u32>);
+    /// Returns the points by location for queries within `distance`, and the location of each.
+    fn locate(self, points: &[Self::Point], distance: f64) -> (Self::Near, Vec<u32>);
 
-    /// Returns all points that can lie within `sigma` of a point with the given location, itself
-    /// among them, at the images nearest to its [`Self::own_image`].
-    fn near(near: &Self::Near, location: u32) -> impl Iterator<Item = Self::Point>;
+    /// Returns the numbers of all images of points that can lie within the distance of a point
+    /// with the given location, itself among them; a number may be repeated.
+    fn near(near: &Self::Near, location: u32) -> impl Iterator<Item = u32>;
 
-    /// Returns the image of a point at its location.
-    fn own_image(point: Self::Point) -> Self::Point;
+    /// Returns the index of the point whose image has that number, and the factor -1 if the image
+    /// is the antipode.
+    fn owner(self, image: u32) -> (usize, f64);
+
+    /// Returns `a - b`, on the torus from the nearest periodic image of b.
+    fn apart(a: Self::Point, b: Self::Point) -> Self::Point;
 }
 
 impl PenaltySpace for Domain {
     type Point = DVec3;
     type Near = Grid;
 
-    fn locate(self, points: &[DVec3], sigma: f64) -> (Grid, Vec<u32>) {
-        let mut grid = Grid::new(self, sigma, points.len() as f64);
+    fn locate(self, points: &[DVec3], distance: f64) -> (Grid, Vec<u32>) {
+        let mut grid = Grid::new(self, distance, points.len() as f64);
         let nside = grid.nside();
         let places: Vec<u32> =
             points.iter().map(|&p| grid.place(Cell::containing(nside, p))).collect();
@@ -53,12 +57,21 @@ impl PenaltySpace for Domain {
         (grid, places)
     }
 
-    fn near(grid: &Grid, location: u32) -> impl Iterator<Item = DVec3> {
-        grid.near(location)
+    fn near(grid: &Grid, location: u32) -> impl Iterator<Item = u32> {
+        grid.near_numbers(location)
     }
 
-    fn own_image(point: DVec3) -> DVec3 {
-        point
+    #[inline]
+    fn owner(self, image: u32) -> (usize, f64) {
+        match self {
+            Self::Sphere => (image as usize, 1.0),
+            Self::Hemisphere => (image as usize / 2, 1.0 - 2.0 * f64::from(image % 2)),
+        }
+    }
+
+    #[inline]
+    fn apart(a: DVec3, b: DVec3) -> DVec3 {
+        a - b
     }
 }
 
@@ -66,8 +79,8 @@ impl PenaltySpace for Square {
     type Point = DVec2;
     type Near = SquareGrid;
 
-    fn locate(self, points: &[DVec2], sigma: f64) -> (SquareGrid, Vec<u32>) {
-        let mut grid = SquareGrid::new(true, sigma, points.len() as f64);
+    fn locate(self, points: &[DVec2], distance: f64) -> (SquareGrid, Vec<u32>) {
+        let mut grid = SquareGrid::new(true, distance, points.len() as f64);
         let places: Vec<u32> = points.iter().map(|&p| grid.index_of(wrapped(p))).collect();
         for (&place, &point) in places.iter().zip(points) {
             grid.insert(place, wrapped(point));
@@ -75,49 +88,29 @@ impl PenaltySpace for Square {
         (grid, places)
     }
 
-    fn near(grid: &SquareGrid, location: u32) -> impl Iterator<Item = DVec2> {
-        grid.near(location)
+    fn near(grid: &SquareGrid, location: u32) -> impl Iterator<Item = u32> {
+        grid.near_numbers(location)
     }
 
-    fn own_image(point: DVec2) -> DVec2 {
-        wrapped(point)
+    #[inline]
+    fn owner(self, image: u32) -> (usize, f64) {
+        (image as usize, 1.0)
+    }
+
+    #[inline]
+    fn apart(a: DVec2, b: DVec2) -> DVec2 {
+        let difference = a - b;
+        difference - difference.round()
     }
 }
 
 const KAPPA: f64 = 0.5;
 
-impl<S: PenaltySpace> DistancePenalty<S> {
-    /// Returns the energy and adds its gradient to `gradient`.
-    ///
-    /// Coincident points contribute to the energy like others, but they have no direction of
-    /// separation and contribute no force.
-    pub(crate) fn add(&self, points: &[S::Point], gradient: &mut [S::Point]) -> f64 {
-        if self.sigma <= 0.0 {
-            return 0.0;
-        }
-        let (near, locations) = self.space.locate(points, self.sigma);
-        let mut energy = 0.0;
-        for ((&location, &point), gradient) in locations.iter().zip(points).zip(gradient) {
-            let point = S::own_image(point);
-            let mut met_itself = false;
-            for other in S::near(&near, location) {
-                let apart = point - other;
-                let r = apart.length();
-                if r == 0.0 && !met_itself {
-                    met_itself = true;
-                } else if r < self.sigma {
-                    let overlap = self.sigma - r;
-                    // Every pair is visited from both its points.
-                    energy += 0.25 * KAPPA * overlap * overlap;
-                    if r > 0.0 {
-                        *gradient -= apart * (KAPPA * overlap / r);
-                    }
-                }
-            }
-        }
-        energy
-    }
+/// How far beyond sigma the pairs of a list reach, relative to sigma. Larger lists are valid for
+/// longer.
+const MARGIN: f64 = 0.25;
 
+impl<S: PenaltySpace> DistancePenalty<S> {
     /// Returns the energy relative to that of `n_points` coincident pairs.
     pub(crate) fn relative(&self, energy: f64, n_points: usize) -> f64 {
         if self.sigma > 0.0 {
@@ -128,13 +121,85 @@ impl<S: PenaltySpace> DistancePenalty<S> {
     }
 }
 
+/// The pairs that can contribute to a penalty: those nearer than sigma and a margin when the list
+/// was made. It is valid until a point has moved by half the margin (Verlet 1967).
+pub(crate) struct NearPairs<S: PenaltySpace> {
+    penalty: DistancePenalty<S>,
+    /// The points when the list was made.
+    origin: Vec<S::Point>,
+    /// The index of a point and the number of the image of one of larger index.
+    pairs: Vec<[u32; 2]>,
+}
+
+impl<S: PenaltySpace> NearPairs<S> {
+    pub(crate) fn new(penalty: DistancePenalty<S>) -> Self {
+        Self { penalty, origin: Vec::new(), pairs: Vec::new() }
+    }
+
+    /// Returns the energy of the penalty and adds its gradient to `gradient`.
+    ///
+    /// Coincident points contribute to the energy like others, but they have no direction of
+    /// separation and contribute no force.
+    pub(crate) fn add(&mut self, points: &[S::Point], gradient: &mut [S::Point]) -> f64 {
+        let DistancePenalty { space, sigma } = self.penalty;
+        if sigma <= 0.0 {
+            return 0.0;
+        }
+        if !self.is_valid(points) {
+            self.update(points);
+        }
+        let mut energy = 0.0;
+        for &[a, image] in &self.pairs {
+            let (a, (b, sign)) = (a as usize, space.owner(image));
+            let apart = S::apart(points[a], points[b] * sign);
+            let r = apart.length();
+            if r < sigma {
+                let overlap = sigma - r;
+                energy += 0.5 * KAPPA * overlap * overlap;
+                if r > 0.0 {
+                    let force = apart * (KAPPA * overlap / r);
+                    gradient[a] -= force;
+                    gradient[b] += force * sign;
+                }
+            }
+        }
+        energy
+    }
+
+    fn is_valid(&self, points: &[S::Point]) -> bool {
+        let half = 0.5 * MARGIN * self.penalty.sigma;
+        let mut moves = points.iter().zip(&self.origin);
+        points.len() == self.origin.len() && moves.all(|(p, o)| (*p - *o).length() <= half)
+    }
+
+    fn update(&mut self, points: &[S::Point]) {
+        let DistancePenalty { space, sigma } = self.penalty;
+        let reach = sigma * (1.0 + MARGIN);
+        self.origin.clear();
+        self.origin.extend_from_slice(points);
+        self.pairs.clear();
+        let (near, locations) = space.locate(points, reach);
+        let mut images = Vec::new();
+        for ((a, &location), &point) in (0..).zip(&locations).zip(points) {
+            images.clear();
+            images.extend(S::near(&near, location).filter(|&image| {
+                let (b, sign) = space.owner(image);
+                b > a as usize && S::apart(point, points[b] * sign).length() < reach
+            }));
+            images.sort_unstable();
+            images.dedup();
+            self.pairs.extend(images.iter().map(|&image| [a, image]));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{DVec2, DVec3, DistancePenalty, Domain, Square};
+    use super::{DVec2, DVec3, DistancePenalty, Domain, NearPairs, Square};
 
     fn energy(core: DistancePenalty<Domain>, points: &[DVec3]) -> (f64, Vec<DVec3>) {
         let mut gradient = vec![DVec3::ZERO; points.len()];
-        (core.add(points, &mut gradient), gradient)
+        (NearPairs::new(core).add(points, &mut gradient), gradient)
     }
 
     /// Computes the energy over all pairs, by the definition.
@@ -209,7 +274,8 @@ mod tests {
                 overlaps.filter(|o| *o > 0.0).map(|o| 0.5 * super::KAPPA * o * o).sum::<f64>()
             };
             let mut gradient = vec![DVec2::ZERO; points.len()];
-            let (got, expected) = (core.add(&points, &mut gradient), definition(&points));
+            let (got, expected) =
+                (NearPairs::new(core).add(&points, &mut gradient), definition(&points));
             assert!((got - expected).abs() <= 1e-13 * expected, "{sigma}: {got}, {expected}");
             for k in 0..points.len() {
                 for axis in DVec2::AXES {
@@ -233,5 +299,34 @@ mod tests {
         let (got, gradient) = energy(core, &[DVec3::Z, DVec3::Z]);
         assert!((got - 0.5 * super::KAPPA * 0.09).abs() < 1e-15, "{got}");
         assert!(gradient.iter().all(|g| *g == DVec3::ZERO), "{gradient:?}");
+    }
+
+    /// Small moves keep the list, large ones replace it; either way the sums are those of a new
+    /// list. The order of the pairs may differ.
+    #[test]
+    fn moved_points_have_the_sums_of_a_new_list() {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            let core = DistancePenalty { space: domain, sigma: 0.4 };
+            let mut pairs = NearPairs::new(core);
+            let mut kept = 0;
+            for step in 0..40 {
+                let points: Vec<DVec3> = (0..60)
+                    .map(|k| {
+                        let t = f64::from(k) + 1e-4 * f64::from(step * step);
+                        DVec3::new((2.1 * t).sin(), (3.3 * t).cos(), (1.7 * t).sin()).normalize()
+                    })
+                    .collect();
+                let before = pairs.origin.clone();
+                let mut gradient = vec![DVec3::ZERO; points.len()];
+                let got = pairs.add(&points, &mut gradient);
+                kept += u32::from(before == pairs.origin);
+                let (expected, of_new_list) = energy(core, &points);
+                assert!((got - expected).abs() < 1e-14, "{domain}, {step}: {got}, {expected}");
+                for (g, e) in gradient.iter().zip(&of_new_list) {
+                    assert!(g.distance(*e) < 1e-14, "{domain}, {step}: {g}, {e}");
+                }
+            }
+            assert!((10..36).contains(&kept), "{domain}: kept {kept} times");
+        }
     }
 }

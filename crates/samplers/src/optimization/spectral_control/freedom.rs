@@ -44,7 +44,7 @@ pub(super) fn coefficients(last: usize, domain: Domain) -> f64 {
 ///
 /// A product within rounding of an integer counts as that integer: 0.29 sqrt(10000) is 29, not
 /// 28.999999999999996.
-pub(super) fn degree_within(alpha: f64, n_points: usize, domain: Domain) -> usize {
+pub(crate) fn degree_within(alpha: f64, n_points: usize, domain: Domain) -> usize {
     let bound = alpha * domain.count_on_sphere(n_points).sqrt();
     #[expect(
         clippy::cast_possible_truncation,

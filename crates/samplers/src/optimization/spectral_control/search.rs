@@ -1,9 +1,15 @@
 use super::distance_penalty::PenaltySpace;
 use super::energy::{BandTransform, SpectralEnergy};
 use super::freedom;
+use super::staged::StagedEnergy;
 use crate::Error;
 use crate::ensemble::progress::Tick;
 use crate::optimization::descent::Descent;
+
+/// Below this number of points, or below this ratio of the last degree to the last vanishing one,
+/// all degrees are treated together: their transforms take little more time than the vanishing
+/// ones.
+pub(crate) const MIN_STAGED: (usize, f64) = (1024, 1.25);
 
 /// Maximum number of steps of one descent: some 5000 are needed where the number of vanishing
 /// coefficients is the largest feasible.
@@ -20,11 +26,13 @@ pub(crate) struct Search {
 
 impl Search {
     /// Replaces the content of `points` by a set that meets the target of `energy`; `start` appends
-    /// a random set to the empty vector. Returns the residuals of the last descent if all stall.
+    /// a random set to the empty vector. If `staged` has an energy, it is minimized first, which
+    /// usually is enough. Returns the residuals of the last descent if all stall.
     pub(crate) fn run<T: BandTransform, S: PenaltySpace<Point = T::Point>>(
         self,
         points: &mut Vec<T::Point>,
         mut start: impl FnMut(&mut Vec<T::Point>),
+        staged: impl Fn() -> Result<Option<StagedEnergy<T, S>>, Error>,
         energy: impl Fn() -> Result<SpectralEnergy<T, S>, Error>,
         tick: Tick<'_>,
     ) -> Result<Option<[f64; 2]>, Error> {
@@ -32,13 +40,19 @@ impl Search {
         for _ in 0..self.starts {
             points.clear();
             start(points);
-            let mut energy = energy()?;
             let descent = Descent {
                 iterations: MAX_STEPS,
                 scale: 1.0,
                 is_adaptive: false,
                 reach: 8.0 * self.spacing,
             };
+            if let Some(mut staged) = staged()? {
+                descent.run(points, &mut staged, tick)?;
+                if staged.has_arrived(points) {
+                    return Ok(None);
+                }
+            }
+            let mut energy = energy()?;
             descent.run(points, &mut energy, tick)?;
             if energy.has_arrived() {
                 return Ok(None);

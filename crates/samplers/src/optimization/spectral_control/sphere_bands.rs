@@ -11,7 +11,7 @@ use crate::{Domain, Error};
 /// The degrees of spherical harmonics.
 pub(crate) struct SphereBands {
     /// One for each of `ACCURACIES`.
-    transforms: [Transform; 2],
+    transforms: [Transform; ACCURACIES.len()],
     workspace: TransformWorkspace,
     alms: [Alm; 1],
     values: Vec<f64>,
@@ -25,8 +25,9 @@ impl SphereBands {
         };
         let alm = Alm::zeros(last_degree)
             .map_err(|error| Error::Degree { last: last_degree, reason: error.to_string() })?;
+        let [a, b, c, d] = ACCURACIES;
         Ok(Self {
-            transforms: [transform(ACCURACIES[0])?, transform(ACCURACIES[1])?],
+            transforms: [transform(a)?, transform(b)?, transform(c)?, transform(d)?],
             workspace: TransformWorkspace::default(),
             alms: [alm],
             values: vec![0.0; n_points],
@@ -49,26 +50,20 @@ impl BandTransform for SphereBands {
 
     const AREA: f64 = 4.0 * PI;
 
-    fn analyze(&mut self, points: &[DVec3], is_fine: bool, squares: &mut Vec<f64>) {
-        let transform = &self.transforms[usize::from(is_fine)];
+    fn analyze(&mut self, points: &[DVec3], level: usize, squares: &mut Vec<f64>) {
+        let transform = &self.transforms[level];
         transform.adjoint_batch_into(&[(points, None)], &mut self.workspace, &mut self.alms);
         *squares = self.alms[0].energy_per_degree();
     }
 
-    fn gradient_into(
-        &mut self,
-        factors: &[f64],
-        points: &[DVec3],
-        is_fine: bool,
-        gradient: &mut [DVec3],
-    ) {
+    fn gradient_into(&mut self, factors: &[f64], points: &[DVec3], gradient: &mut [DVec3]) {
         let alm = &mut self.alms[0];
         for m in 0..=alm.lmax() {
             for (a, factor) in alm.column_mut(m).iter_mut().zip(&factors[m..]) {
                 *a *= factor;
             }
         }
-        let transform = &self.transforms[usize::from(is_fine)];
+        let [transform, ..] = &self.transforms;
         transform.gradient_into(alm, points, &mut self.workspace, &mut self.values, gradient);
     }
 }
