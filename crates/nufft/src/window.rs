@@ -40,7 +40,8 @@ impl Window {
         let width = width.next_multiple_of(2).clamp(4, MAX_WIDTH);
         // The largest beta whose transform has decayed at the first alias, with a small margin.
         let beta = 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling);
-        Self { width, beta, tolerance: 0.01 * epsilon }
+        // Beyond rounding, higher degrees would only add noise, which derivatives amplify.
+        Self { width, beta, tolerance: (0.01 * epsilon).max(4.0 * f64::EPSILON) }
     }
 
     /// Returns the width in grid cells.
