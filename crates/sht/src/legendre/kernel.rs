@@ -3,7 +3,7 @@ use std::ops::Range;
 use num_complex::Complex;
 use pulp::bytemuck::cast_slice;
 use pulp::{Arch, Simd, WithSimd};
-use sphvar_nufft::parts::{SHORT, add_with_rests};
+use sphvar_nufft::parts::{SHORT, add_with_rests, magnitude};
 use sphvar_sh::Alm;
 
 use super::lanes::{Group, Scale};
@@ -214,8 +214,12 @@ impl Synthesis<'_> {
         let (Buffers { by_degree, tile, partial, .. }, sums) = T::buffers(scratch);
         let Sums { by_lane, state, .. } = sums;
         by_degree.resize(order.len() * PARTS * n_functions, T::of(0.0));
-        for (function, alm) in alms.iter().enumerate() {
-            order.distribute(form, alm.column(m), n_functions, function, by_degree);
+        // Coefficients may be out of the range of f32.
+        let mut sizes = [1.0; FUNCTIONS];
+        for (function, (alm, size)) in alms.iter().zip(&mut sizes).enumerate() {
+            let column = alm.column(m);
+            *size = magnitude(column.iter().flat_map(|a| [a.re, a.im]));
+            order.distribute(form, column, *size, n_functions, function, by_degree);
         }
         let partial = partial.numbers(n_functions * PARTS * T::CHUNK);
         let tile = tile.numbers(SPAN * T::CHUNK);
@@ -223,7 +227,7 @@ impl Synthesis<'_> {
         by_lane.resize(group.column_len() * PARTS * n_functions, 0.0);
         let buffers = (state, tile, partial);
         product.synthesis::<S, T, DIFFERENCES>(simd, group.active(m), by_degree, buffers, by_lane);
-        group.scatter(by_lane, lanes.n_rings(), values);
+        group.scatter(by_lane, &sizes, lanes.n_rings(), values);
     }
 }
 

@@ -278,18 +278,25 @@ impl Group {
         }
     }
 
-    /// Computes ring values from sums over degrees: the transpose of [`Self::gather`].
+    /// Computes ring values from sums over degrees, multiplied by the size of each function: the
+    /// transpose of [`Self::gather`].
     #[inline(always)]
-    pub(super) fn scatter(&self, sums: &[f64], n_rings: usize, values: &mut [Complex<f64>]) {
+    pub(super) fn scatter(
+        &self,
+        sums: &[f64],
+        sizes: &[f64],
+        n_rings: usize,
+        values: &mut [Complex<f64>],
+    ) {
         let len = self.column_len();
         let functions = values.chunks_exact_mut(n_rings.max(1));
-        for (values, columns) in functions.zip(sums.chunks_exact(len * PARTS)) {
+        for ((values, columns), &size) in functions.zip(sums.chunks_exact(len * PARTS)).zip(sizes) {
             let mut columns = columns.chunks_exact(len);
             let [a, b, c, d] = std::array::from_fn(|_| columns.next().unwrap_or_default());
             let columns = a.iter().zip(b).zip(c.iter().zip(d));
             for (ring, ((&a, &b), (&c, &d))) in self.rings.iter().zip(columns) {
                 let cos = ring.colatitude.cos().abs();
-                let (even, odd) = (Complex::new(a, b), Complex::new(c, d) * cos);
+                let (even, odd) = (Complex::new(a, b) * size, Complex::new(c, d) * (size * cos));
                 if let Some(r) = ring.north {
                     values[r] = even + odd;
                 }

@@ -35,7 +35,7 @@ mod tests {
     /// Rings at and near poles and equator, at the limits between the forms of the recurrence, and
     /// elsewhere.
     fn rings() -> Vec<Colatitude> {
-        let near_pole = [0.0, 1e-200, 1e-9, 1e-4, 0.01, 0.1, 0.126, 0.127, 0.3, 0.7853, 0.7854];
+        let near_pole = [0.0, 1e-200, 1e-9, 1e-4, 0.01, 0.1, 0.126, 0.127, 0.3, 0.78, 0.79];
         let near_equator = [0.0, 1e-17, 1e-9, 1e-4, 0.003, 0.02, 0.05, 0.126, 0.127, 0.4, 0.5];
         let near_pole = near_pole.map(|angle: f64| DVec3::new(angle.sin(), 0.0, -angle.cos()));
         let near_equator = near_equator.map(|angle: f64| DVec3::new(angle.cos(), 0.0, angle.sin()));

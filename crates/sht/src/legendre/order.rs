@@ -233,17 +233,19 @@ impl Order {
         }
     }
 
-    /// Computes the factors of the values in one form: the transpose of [`Self::collect`].
+    /// Computes the factors of the values in one form, divided by `size`: the transpose of
+    /// [`Self::collect`].
     #[inline(always)]
     pub(super) fn distribute<T: Number>(
         &self,
         form: Form,
         column: &[Complex<f64>],
+        size: f64,
         n_functions: usize,
         function: usize,
         terms: &mut [T],
     ) {
-        let entry = |l: usize| column.get(l).copied().unwrap_or_default();
+        let entry = |l: usize| column.get(l).map_or(Complex::ZERO, |a| a / size);
         let at = |n: usize| (&self.connections[n / WIDTH], n % WIDTH);
         let norms = &self.sequence(form).norm[..self.len];
         let terms = terms.as_chunks_mut::<PARTS>().0[function..].iter_mut().step_by(n_functions);
@@ -262,7 +264,8 @@ impl Order {
 
 /// Coefficients for `WIDTH` consecutive n.
 trait FillRow {
-    fn fill(&mut self, n: [f64; WIDTH], m: f64);
+    /// Computes the coefficients for n from `first` on.
+    fn fill(&mut self, first: f64, m: f64);
 }
 
 /// `A_n` and `B_n`.
@@ -296,27 +299,28 @@ struct Ratio {
 
 impl FillRow for Connection {
     #[inline(always)]
-    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+    fn fill(&mut self, first: f64, m: f64) {
         for i in 0..WIDTH {
-            let k = 2.0 * n[i] + m;
-            let (above, below) = (k + m, 2.0 * n[i]);
+            let n = first + i as f64;
+            let k = 2.0 * n + m;
+            let (above, below) = (k + m, 2.0 * n);
             let half = 1.0 / (k + 0.5);
-            self.near[i] = (n[i] + m + 0.5)
+            self.near[i] = (n + m + 0.5)
                 * half
                 * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
             // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
             // result is 0.
             self.far[i] =
-                half * ((2.0 * k + 1.0) * above * (0.5 * n[i]) / (2.0 * k - 1.0).abs()).sqrt();
+                half * ((2.0 * k + 1.0) * above * (0.5 * n) / (2.0 * k - 1.0).abs()).sqrt();
         }
     }
 }
 
 impl FillRow for Row {
     #[inline(always)]
-    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+    fn fill(&mut self, first: f64, m: f64) {
         for i in 0..WIDTH {
-            let n = n[i];
+            let n = first + i as f64;
             let k = 2.0 * n + m;
             let at_pole = 1.0 / (n + m + 1.0);
             let at_equator = 1.0 / (n + 1.5);
@@ -341,18 +345,18 @@ impl FillRow for Row {
 
 impl FillRow for Ratio {
     #[inline(always)]
-    fn fill(&mut self, n: [f64; WIDTH], m: f64) {
+    fn fill(&mut self, first: f64, m: f64) {
         for i in 0..WIDTH {
-            let k = 2.0 * n[i] + m;
-            let (above, below) = (k + m, 2.0 * n[i]);
+            let n = first + i as f64;
+            let k = 2.0 * n + m;
+            let (above, below) = (k + m, 2.0 * n);
             // The numerators of e_l^2, e_{l+1}^2 and e_{l+2}^2 for l = k + 1, and the denominators
             // (2l-1)(2l+1), with one division.
-            let [first, second, third] =
-                [1.0, 2.0, 3.0].map(|step| (below + step) * (above + step));
+            let [low, mid, high] = [1.0, 2.0, 3.0].map(|step| (below + step) * (above + step));
             let [a, b, c, d] = [1.0, 3.0, 5.0, 7.0].map(|step| 2.0 * k + step);
             let inverse = 1.0 / ((a * b) * (c * c * d));
-            self.product[i] = second * third * (inverse * a);
-            self.center[i] = (first * c + second * a) * (inverse * (c * d)) - 0.5;
+            self.product[i] = mid * high * (inverse * a);
+            self.center[i] = (low * c + mid * a) * (inverse * (c * d)) - 0.5;
         }
     }
 }
@@ -369,10 +373,10 @@ impl<R: FillRow> NullaryFnOnce for Fill<'_, R> {
     #[inline(always)]
     fn call(self) {
         let Self { m, rows } = self;
-        let mut n: [f64; WIDTH] = std::array::from_fn(|i| i as f64);
+        let mut first = 0.0;
         for row in rows {
-            row.fill(n, m);
-            n = n.map(|n| n + WIDTH as f64);
+            row.fill(first, m);
+            first += WIDTH as f64;
         }
     }
 }
