@@ -1,9 +1,9 @@
 use sphvar_samplers::{Pattern, Progress};
 
-use crate::required_points::{ignore_unsupported_count, largest_count_to};
+use crate::required_points::{affordable, ignore_unsupported_count, largest_count_to};
 use crate::{
-    CurvePredictor, Error, PredictedCurve, PredictedPoint, PredictedVariance, RequiredPoints,
-    required_points,
+    CurvePredictor, Error, PredictedCurve, PredictedPoint, PredictedVariance, PredictionBudget,
+    RequiredPoints, required_points_within,
 };
 
 /// The goal by which patterns are ranked.
@@ -94,18 +94,37 @@ impl<F: Clone, P: PredictedVariance> Candidate<F, P> {
     ///
     /// Returns the errors of [`Self::new`].
     pub fn with_curve<C: CurvePredictor<F, Point = P> + ?Sized>(
+        curve: PredictedCurve<F, P>,
+        goal: Goal,
+        predictor: &mut C,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let budget = predictor.budget();
+        Self::with_curve_within(curve, goal, budget, predictor, progress)
+    }
+
+    /// Returns [`Self::with_curve`] from predictions within another budget, such as
+    /// [`PredictionBudget::rough`] for patterns of which only the best will be predicted precisely. Numbers of
+    /// points are affordable as for [`required_points_within`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::new`].
+    pub fn with_curve_within<C: CurvePredictor<F, Point = P> + ?Sized>(
         mut curve: PredictedCurve<F, P>,
         goal: Goal,
+        budget: PredictionBudget,
         predictor: &mut C,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (required, n_points) = match goal {
             Goal::Variance { variance, max_points } => {
+                let range = (variance, max_points);
                 let required =
-                    required_points(predictor, &mut curve, variance, max_points, progress)?;
+                    required_points_within(budget, predictor, &mut curve, range, progress)?;
                 (Some(required), required.n_points())
             }
-            Goal::Points(n) => (None, Some(around(&mut curve, predictor, n, progress)?)),
+            Goal::Points(n) => (None, Some(around(&mut curve, budget, predictor, n, progress)?)),
         };
         let predicted = n_points.and_then(|n| curve.at(n)).map(P::variance_point);
         let variance = match (predicted, required) {
@@ -153,6 +172,7 @@ pub fn rank<F, P>(candidates: &mut [Candidate<F, P>], goal: Goal) {
 /// also predicts roughly, where affordable, at the valid counts nearest to n/2 and n/4.
 fn around<F: Clone, C: CurvePredictor<F> + ?Sized>(
     curve: &mut PredictedCurve<F, C::Point>,
+    budget: PredictionBudget,
     predictor: &mut C,
     n: usize,
     progress: &dyn Progress,
@@ -161,12 +181,16 @@ fn around<F: Clone, C: CurvePredictor<F> + ?Sized>(
     // A count above the budget is used only if the pattern has none below.
     let at = largest_count_to(&|n| predictor.nearest_count(&pattern, n), n)
         .unwrap_or_else(|| predictor.nearest_count(&pattern, n));
-    curve.predict(predictor, at, progress)?;
+    if curve.at(at).is_none() {
+        curve.insert(predictor.predict_at(&pattern, at, budget, progress)?);
+    }
+    let rough = budget.rough();
+    let affordable = affordable(rough, predictor.budget().rough());
     for n in [n / 4, n / 2] {
         let n = predictor.nearest_count(&pattern, n);
-        let rough = predictor.budget().rough();
         // A count that the pattern rejects is left out of the curve.
-        if curve.at(n).is_none() && predictor.is_affordable_at(&pattern, n, rough).unwrap_or(false)
+        if curve.at(n).is_none()
+            && predictor.is_affordable_at(&pattern, n, affordable).unwrap_or(false)
         {
             match predictor.predict_at(&pattern, n, rough, progress) {
                 Ok(point) => curve.insert(point),

@@ -43,6 +43,21 @@ pub trait CurvePredictor<F> {
         budget: PredictionBudget,
     ) -> Result<bool, Error>;
 
+    /// Returns whether [`Self::predict_at`] within a budget is known to return `point`, a prediction of
+    /// this predictor within another budget, so that it need not be repeated. Default: false.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict_at`] that occur without a realization.
+    fn is_repeated_by(
+        &mut self,
+        _pattern: &F,
+        _point: &Self::Point,
+        _budget: PredictionBudget,
+    ) -> Result<bool, Error> {
+        Ok(false)
+    }
+
     /// Returns whether two realizations with `n_points` can differ by more than the randomization;
     /// `false` also where the pattern does not support that number.
     fn is_random_at(&self, pattern: &F, n_points: usize) -> bool;
@@ -86,6 +101,16 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> CurvePredictor<F> for PredictorOn
     ) -> Result<bool, Error> {
         let sampler = build(pattern, n_points, self.space())?;
         self.is_affordable_within(budget, S::sampler(&sampler))
+    }
+
+    fn is_repeated_by(
+        &mut self,
+        pattern: &F,
+        point: &Self::Point,
+        budget: PredictionBudget,
+    ) -> Result<bool, Error> {
+        let sampler = build(pattern, point.n_points(), self.space())?;
+        self.repeats(budget, S::sampler(&sampler), point)
     }
 
     fn is_random_at(&self, pattern: &F, n_points: usize) -> bool {

@@ -1,4 +1,6 @@
-use sphvar_samplers::{BlueParameters, Domain, Pattern, SpectralControl, StepParameters};
+use sphvar_samplers::{
+    BlueParameters, Domain, Pattern, Sampler, SpectralControl, StepParameters,
+};
 
 use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
 
@@ -12,7 +14,7 @@ const STEP_DOWN: f64 = 0.9;
 /// The number of patterns that cannot be generated after which the search ends.
 const MAX_FAILURES: usize = 3;
 /// The maximum nominal work of one prediction in the search, in units of the budget.
-const MAX_WORK: f64 = 25.0;
+const MAX_WORK: f64 = 2.0;
 
 /// Returns the parameters of a designed pattern with the least variance at `n_points`, with their
 /// prediction. Returns `None` if none has a variance below `to_beat`, or if the pattern has no such
@@ -20,7 +22,8 @@ const MAX_WORK: f64 = 25.0;
 ///
 /// A `step` or `blue` set has no power up to a degree t. Each t has one value of alpha, the
 /// shortest decimal number. The largest t is best for smooth integrands: it is tried first, then
-/// smaller ones while they improve. The energy beyond t gives a lower bound if it is spread over
+/// smaller ones while they improve, all with [`PredictionBudget::rough`] predictions; that of the best is
+/// precise. The energy beyond t gives a lower bound if it is spread over
 /// many degrees ([`Predictor::broad_variance`]): once 0.7 times white noise's variance there
 /// exceeds the best known variance, no smaller t is tried.
 ///
@@ -35,7 +38,8 @@ pub fn best_design(
 ) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
     let default = PredictionBudget::DEFAULT;
     let budget = PredictionBudget { work: MAX_WORK * default.work, ..default };
-    let mut best: Option<(Pattern, PredictedPoint)> = None;
+    let rough = predictor.budget().rough();
+    let mut best: Option<(Pattern, Box<dyn Sampler>)> = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
     for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {
         if last >= below {
@@ -50,10 +54,10 @@ pub fn best_design(
         if !predictor.is_affordable_within(budget, &*sampler).unwrap_or(false) {
             continue;
         }
-        match predictor.predict(&*sampler, &()) {
+        match predictor.predict_within(rough, &*sampler, &()) {
             Ok(point) if point.prediction.variance < limit => {
                 limit = point.prediction.variance;
-                best = Some((design, point));
+                best = Some((design, sampler));
             }
             Ok(_) => break,
             Err(Error::Spectrum(sphvar_spectrum::Error::Sampler(_))) if failures < MAX_FAILURES => {
@@ -65,7 +69,9 @@ pub fn best_design(
         }
         below = fraction(last);
     }
-    Ok(best)
+    let Some((design, sampler)) = best else { return Ok(None) };
+    let point = predictor.predict(&*sampler, &())?;
+    Ok((point.prediction.variance < to_beat).then_some((design, point)))
 }
 
 /// Returns the designs of a pattern, one for each last empty degree, in increasing order.

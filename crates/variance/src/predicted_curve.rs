@@ -1,8 +1,8 @@
 use sphvar_samplers::{Pattern, Progress};
 
 use crate::{
-    CurvePredictor, Error, PredictedPoint, PredictedVariance, RateFit, VariancePoint,
-    fit_exact_rate,
+    CurvePredictor, Error, PredictedPoint, PredictedVariance, PredictionBudget, RateFit,
+    VariancePoint, fit_exact_rate,
 };
 
 /// The predicted variance of one pattern as a function of its number of points.
@@ -70,6 +70,26 @@ impl<F, P: PredictedVariance> PredictedCurve<F, P> {
             Ok(at) => self.points[at] = point,
             Err(at) => self.points.insert(at, point),
         }
+    }
+
+    /// Returns the curve with those points only that predictions within a budget would repeat.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`CurvePredictor::is_repeated_by`].
+    pub fn repeated_by<C: CurvePredictor<F, Point = P> + ?Sized>(
+        mut self,
+        predictor: &mut C,
+        budget: PredictionBudget,
+    ) -> Result<Self, Error> {
+        let mut points = Vec::new();
+        for point in self.points {
+            if predictor.is_repeated_by(&self.pattern, &point, budget)? {
+                points.push(point);
+            }
+        }
+        self.points = points;
+        Ok(self)
     }
 
     /// Returns the points with a variance above 0, for fits and crossovers.

@@ -313,6 +313,33 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         Ok(sets as f64 * realization_work::<S>(sampler, &extent) <= budget.work)
     }
 
+    /// Returns whether the prediction within a budget is known to be `point`, which was predicted within
+    /// another one: from as far a spectrum and as many realizations.
+    pub(crate) fn repeats(
+        &mut self,
+        budget: PredictionBudget,
+        sampler: S::SamplerRef<'_>,
+        point: &PredictedPoint<S::Bands>,
+    ) -> Result<bool, Error> {
+        let extent = self.extent(budget, sampler)?;
+        if S::last_band(&extent) != point.spectrum.lmax() {
+            return Ok(false);
+        }
+        let is_random = S::distribution(sampler).is_random();
+        let route = Route::of::<S>(&self.options, budget, sampler, &extent);
+        Ok(match route {
+            Route::Flat | Route::Exact(_) => point.spectrum.realizations() == 0,
+            Route::All(sets) => point.spectrum.realizations() == sets.len() as u64,
+            Route::Sampled if is_random => {
+                let max = self.max_realizations(budget, sampler, &extent);
+                let Prediction { variance, stderr, .. } = point.prediction;
+                let is_precise = stderr <= budget.relative * variance;
+                together::is_last(point.spectrum.realizations(), max, is_precise)
+            }
+            Route::Sampled => true,
+        })
+    }
+
     /// Returns the prediction for power 1 in every degree, from the integrand's mean and mean
     /// square.
     pub(crate) fn flat_prediction(&self, n_points: usize) -> Prediction {

@@ -45,10 +45,6 @@ impl RequiredPoints {
     }
 }
 
-/// The resolution of the search in N where variances are estimates: 3 % of variance corresponds to
-/// 1.5 to 3 % of points.
-const RESOLUTION: f64 = 1.02;
-
 /// Returns the smallest number of points, at most `max_points`, with which `curve`'s pattern has a
 /// predicted variance of at most `variance`. Predictions made on the way are added to the curve.
 /// Work is ticked as in [`PredictorOn::predict`](crate::PredictorOn::predict).
@@ -91,12 +87,34 @@ pub fn required_points<F: Clone, C: CurvePredictor<F> + ?Sized>(
     max_points: usize,
     progress: &dyn Progress,
 ) -> Result<RequiredPoints, Error> {
+    let budget = predictor.budget();
+    required_points_within(budget, predictor, curve, (variance, max_points), progress)
+}
+
+/// Returns [`required_points`] for a variance and a maximum number of points, from predictions
+/// within another budget than the predictor's: the number of points is then known to about the
+/// relative precision of `budget`. Numbers of points are affordable whose predictions take at most 16 times
+/// the work of `budget` and no more than that of the predictor's budget: a rough answer exists wherever a
+/// precise one does, a coarse one (rough twice) where a prediction takes at most a quarter of the predictor's
+/// budget.
+///
+/// # Errors
+///
+/// Returns the errors of [`required_points`].
+pub fn required_points_within<F: Clone, C: CurvePredictor<F> + ?Sized>(
+    budget: PredictionBudget,
+    predictor: &mut C,
+    curve: &mut PredictedCurve<F, C::Point>,
+    (variance, max_points): (f64, usize),
+    progress: &dyn Progress,
+) -> Result<RequiredPoints, Error> {
     if !(variance > 0.0 && variance.is_finite()) {
         let (name, range) = ("the requested variance", "positive and finite");
         return Err(Error::Parameter { name, range, got: variance });
     }
     let variance = variance * (1.0 + ROUNDING);
-    let mut search = Search { predictor, curve, variance, progress, rough: BTreeSet::new() };
+    let rough = BTreeSet::new();
+    let mut search = Search { predictor, curve, budget, variance, progress, rough };
     let climb = search.climb(max_points)?;
     match climb.enough {
         Some(enough) => search.predicted(climb.too_few, enough),
@@ -109,9 +127,18 @@ pub fn required_points<F: Clone, C: CurvePredictor<F> + ?Sized>(
 /// factor (where it is an estimate) and by more than this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
+/// Returns the budget that decides whether the predictions of a budget are affordable: even the fewest
+/// realizations may take more than the work of a small budget.
+pub(crate) fn affordable(budget: PredictionBudget, max: PredictionBudget) -> PredictionBudget {
+    const MAX_FACTOR: f64 = 16.0;
+    PredictionBudget { work: (MAX_FACTOR * budget.work).min(max.work), ..budget }
+}
+
 struct Search<'a, F, C: CurvePredictor<F> + ?Sized> {
     predictor: &'a mut C,
     curve: &'a mut PredictedCurve<F, C::Point>,
+    /// The precision of the answer.
+    budget: PredictionBudget,
     variance: f64,
     progress: &'a dyn Progress,
     /// Counts whose prediction on the curve is rough.
@@ -211,7 +238,8 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
                 && [too_few, enough]
                     .iter()
                     .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction().stderr == 0.0));
-            if !is_exact && enough as f64 <= RESOLUTION * too_few as f64 {
+            // The share of points is at most that of the variance: 2 % for the default budget.
+            if !is_exact && enough as f64 <= (1.0 + self.budget.relative) * too_few as f64 {
                 return Ok(enough);
             }
             let wanted = self.between(too_few, enough, halve);
@@ -255,9 +283,8 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
 
     /// Returns whether a number suffices, from a rough prediction if that is decisive.
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
-        let budget = self.predictor.budget().rough();
         if self.curve.at(n_points).is_none() {
-            self.predict_within(budget, n_points)?;
+            self.predict_within(self.budget.rough(), n_points)?;
             self.rough.insert(n_points);
         }
         if !self.is_clear(n_points) {
@@ -278,10 +305,13 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
         })
     }
 
-    /// Replaces a rough prediction by one with the full budget.
+    /// Replaces a rough prediction by one with the whole budget.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
-        if self.rough.remove(&n_points) {
-            self.predict_within(self.predictor.budget(), n_points)?;
+        if self.rough.remove(&n_points)
+            && let Some(point) = self.curve.at(n_points)
+            && !self.predictor.is_repeated_by(self.curve.pattern(), point, self.budget)?
+        {
+            self.predict_within(self.budget, n_points)?;
         }
         Ok(())
     }
@@ -335,7 +365,7 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
     }
 
     fn is_affordable(&mut self, n_points: usize) -> Result<bool, Error> {
-        let budget = self.predictor.budget();
+        let budget = affordable(self.budget, self.predictor.budget());
         self.predictor.is_affordable_at(self.curve.pattern(), n_points, budget)
     }
 

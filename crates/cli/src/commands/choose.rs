@@ -46,11 +46,14 @@ function with mean 1 and variance 1 over the sphere and equal power in all degre
 scales with the ratio of standard deviation and mean of your function.
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
-rotations of the pattern, or shifts of a pattern of the square. Predictions come from spectra, in closed form or estimated until the variance is \
-known to 2 %, where that is affordable; column +- states the error, which may be larger for patterns mapped to densities. They are those of variance and compare. Predictions that serve only to fit rates are \
+rotations of the pattern, or shifts of a pattern of the square. Predictions come from spectra, in closed form or estimated; column +- states the error. The samplers that you name, and \
+of all others those that may be within 10 % of the best, are predicted until the variance is \
+known to 2 %, where that is affordable (the error may be larger for patterns mapped to densities), with the results of variance and compare. \
+The others are predicted to about 18 %, or more precisely until they are known to be further behind. Predictions that serve only to fit rates are \
 known to about 6 %. Rows whose variance is not known to 25 % are recommended only where no other is. \
-With --error, expensive and warped patterns are not tried with more than 4 times the points of the best; with -n, not at all \
-where importance sampling has less than a quarter of the variance of all inexpensive uniform ones. \
+With --error, expensive and warped patterns are not tried with more than 4 times the points of the best; with -n, expensive ones not at all \
+where a warped pattern has less than a quarter of the variance of all inexpensive patterns of the sphere, or where four sets take more than \
+about a second. \
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
 states. Where step or blue with another alpha would be better than all other samplers, it is shown with that alpha. \
 The seconds per set are measured on one core, the median of up to five; those of sets that take longer than about 0.02 s \
@@ -73,7 +76,7 @@ irradiance over all normals which follows from the 9 coefficients of a light pro
 --json has the error of each coefficient.";
 
 /// A default sampler is omitted if a single prediction takes more work than this number of budgets.
-const MAX_BUDGETS: f64 = 10.0;
+const MAX_BUDGETS: f64 = 2.0;
 
 pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out.out {
@@ -133,8 +136,9 @@ fn budgets(work: f64) -> f64 {
     PredictionBudget::MIN_REALIZATIONS as f64 * work / PredictionBudget::DEFAULT.work
 }
 
-/// Returns whether a single prediction for a pattern takes more than 10 budgets, so that it is
-/// considered only if it is named.
+/// Returns whether a few sets of a pattern take more than 10 budgets, so that its sets are measured only
+/// if it is named.
 pub(crate) fn is_expensive(pattern: &Pattern, n_points: usize) -> bool {
+    const MAX_BUDGETS: f64 = 10.0;
     budgets(pattern.nominal_work(n_points)) > MAX_BUDGETS
 }

@@ -19,10 +19,14 @@ const MIN_EFFECTIVE: f64 = 8.0;
 /// The share of a lattice's variance that may lie beyond its spectrum, where only the mean power is
 /// known, relative to the square of the budget's precision: 1 % for a precision of 2 %.
 const NEGLIGIBLE: f64 = 25.0;
+/// The same share for any budget. Half of the variance of a jump lies beyond the degree from which
+/// the mean power of a lattice is 1, where spectra end at the earliest; the error of the tail tells
+/// how much that leaves unknown.
+const MAX_NEGLIGIBLE: f64 = 0.5;
 
 /// Returns the share of a lattice's variance that may lie beyond its spectrum.
 pub(crate) fn negligible(budget: PredictionBudget) -> f64 {
-    (NEGLIGIBLE * budget.relative.powi(2)).min(0.1)
+    (NEGLIGIBLE * budget.relative.powi(2)).min(MAX_NEGLIGIBLE)
 }
 
 impl<'a> Predictor<'a> {

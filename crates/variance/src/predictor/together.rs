@@ -280,6 +280,16 @@ fn estimate<S: IntegrationSpace>(
     }
 }
 
+/// Returns whether an estimate whose number of realizations may be at most `max` ends with `count`, given
+/// that one with a smaller maximum or a lower precision ended with that number.
+///
+/// Numbers of realizations double from [`FIRST`] to `max`. With a lower maximum, another number may have been the
+/// last, from which no estimate with `max` ends.
+pub(crate) fn is_last(count: u64, max: u64, is_precise: bool) -> bool {
+    let doubles = count.is_multiple_of(FIRST) && (count / FIRST).is_power_of_two();
+    count == max || is_precise && doubles && count < max
+}
+
 /// Returns the mean prediction from sets, with the errors of tail and energies.
 pub(crate) fn predict_from_sets<S: IntegrationSpace>(
     predictor: &mut PredictorOn<'_, S>,
@@ -292,4 +302,21 @@ pub(crate) fn predict_from_sets<S: IntegrationSpace>(
     let (all, size) = (0..sets.len() as u64, (n_points, extent));
     let sums = S::accumulate(&sets, &predictor.options, size, all, &empty, progress)?;
     Ok(sums.1[0].finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_last;
+
+    #[test]
+    fn an_estimate_ends_where_it_is_precise_or_exhausted() {
+        // 8, 16, 32, 50.
+        for (count, is_precise, expected) in
+            [(8, true, true), (8, false, false), (16, true, true), (20, true, false), (4, true, false)]
+        {
+            assert_eq!(is_last(count, 50, is_precise), expected, "{count}");
+        }
+        assert!(is_last(50, 50, false) && is_last(4, 4, false));
+        assert!(!is_last(64, 50, true));
+    }
 }

@@ -13,6 +13,7 @@ mod other_bands;
 mod over_rotations;
 mod predictions;
 mod progressive;
+mod rough_answers;
 mod square;
 mod sums;
 mod tails;

@@ -54,7 +54,7 @@ pub(super) struct Details {
 /// A pattern that can be ranked.
 pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
     /// The prediction at one number of points.
-    type Point: PredictedVariance;
+    type Point: PredictedVariance + Clone;
     /// What predicts the variances of patterns of this kind.
     type Predictor<'a>: CurvePredictor<Self, Point = Self::Point>;
     /// Whether predictions for many points are expensive even where sets are not.

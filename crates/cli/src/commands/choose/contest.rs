@@ -1,6 +1,8 @@
 //! The samplers of one ranking while they are predicted, one after the other.
 
-use super::candidate::{MAX_FACTOR, TimedCandidate};
+use sphvar_variance::PredictedCurve;
+
+use super::candidate::{CLEAR, MAX_FACTOR, Precision, TimedCandidate};
 use super::choosable::{Choosable, Density};
 use super::question::Question;
 use super::record::LeftOut;
@@ -45,10 +47,26 @@ impl<'a> Contest<'a> {
     }
 
     /// Adds a pattern, whose variance the predictor predicts, or the reason why it is left out;
-    /// `white` is the variance of white noise with a number of points.
+    /// `white` is the variance of white noise with a number of points. A pattern that the user did not
+    /// name is predicted coarsely, and more precisely only while it may compete with the best so far.
     ///
     /// Returns the answer if there is one.
     pub(super) fn add<'p, P: Choosable>(
+        &mut self,
+        pattern: P,
+        predictor: &mut P::Predictor<'p>,
+        white: impl Fn(&P::Predictor<'p>, usize) -> f64,
+    ) -> Option<TimedCandidate<P>> {
+        let first = self.rows.len();
+        let mut candidate = self.survey(pattern, predictor, &white)?;
+        while candidate.may_compete(&self.question, self.best_merit(first)) {
+            self.refine(first, &mut candidate, predictor, &white);
+        }
+        Some(candidate)
+    }
+
+    /// Adds a pattern as [`Self::add`] does, from coarse predictions unless the user named it.
+    pub(super) fn survey<'p, P: Choosable>(
         &mut self,
         pattern: P,
         predictor: &mut P::Predictor<'p>,
@@ -59,16 +77,10 @@ impl<'a> Contest<'a> {
             return None;
         }
         self.progress.stage(&label);
-        match self.answer(pattern, predictor) {
+        let precision = if self.is_named { Precision::Full } else { Precision::Coarse };
+        match self.answer(PredictedCurve::new(pattern), predictor, precision) {
             Ok(candidate) => {
-                let white = |n: usize| white(predictor, n);
-                let row = Row::new(&candidate, &self.question, predictor, &white);
-                if let (Some((variance, _)), None) = (row.variance, row.known_to) {
-                    self.min_variance = self.min_variance.min(variance);
-                }
-                if row.record.basis == "predicted" {
-                    self.min_points = row.record.n.into_iter().chain(self.min_points).min();
-                }
+                let row = self.row(&candidate, predictor, white);
                 self.progress.line(&presentation::line(&row.record));
                 self.rows.push(row);
                 Some(candidate)
@@ -80,13 +92,73 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// Returns the variance of the best uniform sampler over that of the best one, if it is above
-    /// [`MAX_FACTOR`] and samplers with a requested number of points are ranked by default: expensive
-    /// patterns are then not considered.
-    pub(super) fn lead_of_densities(&self) -> Option<f64> {
+    /// Replaces a candidate and its row by those from predictions of the next higher precision.
+    pub(super) fn refine<'p, P: Choosable>(
+        &mut self,
+        index: usize,
+        candidate: &mut TimedCandidate<P>,
+        predictor: &mut P::Predictor<'p>,
+        white: impl Fn(&P::Predictor<'p>, usize) -> f64,
+    ) {
+        let curve = candidate.answer.curve.clone();
+        match self.answer(curve, predictor, candidate.precision.next()) {
+            Ok(better) => *candidate = better,
+            // What was predicted coarsely stays in the ranking even if it cannot be predicted better.
+            Err(_) => candidate.precision = Precision::Full,
+        }
+        self.rows[index] = self.row(candidate, predictor, white);
+    }
+
+    fn row<'p, P: Choosable>(
+        &mut self,
+        candidate: &TimedCandidate<P>,
+        predictor: &P::Predictor<'p>,
+        white: impl Fn(&P::Predictor<'p>, usize) -> f64,
+    ) -> Row {
+        let row = Row::new(candidate, &self.question, predictor, &|n| white(predictor, n));
+        if let (Some((variance, _)), None) = (row.variance, row.known_to) {
+            self.min_variance = self.min_variance.min(variance);
+        }
+        if row.record.basis == "predicted" {
+            self.min_points = row.record.n.into_iter().chain(self.min_points).min();
+        }
+        row
+    }
+
+    /// Returns a merit that the best row which may be recommended does not exceed, apart from the row of an
+    /// index.
+    fn best_merit(&self, without: usize) -> f64 {
+        let others = self.rows.iter().enumerate().filter(|(i, row)| *i != without && row.is_sure());
+        let largest = others.map(|(_, row)| {
+            let share = row.variance.map_or(0.0, |(variance, stderr)| stderr / variance);
+            if row.is_rough { row.merit * (1.0 + CLEAR.1 * share) } else { row.merit }
+        });
+        largest.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns whether the row of a candidate needs better predictions: it may compete with the best row,
+    /// or is the best one of uniform directions, which is named beside it.
+    pub(super) fn needs_refinement<P: Choosable>(
+        &self,
+        index: usize,
+        candidate: &TimedCandidate<P>,
+    ) -> bool {
+        let is_uniform = |row: &&Row| row.density == Density::Uniform && row.is_sure();
+        let uniform = self.rows.iter().filter(is_uniform).map(|row| row.merit);
+        let is_best = self.rows.get(index).is_some_and(|row| {
+            row.is_sure() && row.merit <= uniform.fold(f64::INFINITY, f64::min)
+        });
+        candidate.is_rough() && is_best
+            || candidate.may_compete(&self.question, self.best_merit(index))
+    }
+
+    /// Returns the variance of the best pattern of the sphere over that of the best sampler, if it is
+    /// above [`MAX_FACTOR`] and samplers with a requested number of points are ranked by default:
+    /// expensive patterns of the sphere are then not considered.
+    pub(super) fn lead_of_warped(&self) -> Option<f64> {
         let is_open = !self.is_named && self.question.points().is_some();
-        let uniform = self.rows.iter().filter(|row| row.density == Density::Uniform);
-        let variances = uniform.filter_map(|row| row.variance).map(|variance| variance.0);
+        let on_sphere = self.rows.iter().filter(|row| row.warp.is_none());
+        let variances = on_sphere.filter_map(|row| row.variance).map(|variance| variance.0);
         let ratio = variances.min_by(f64::total_cmp)? / self.min_variance;
         (is_open && ratio > MAX_FACTOR as f64).then_some(ratio)
     }
@@ -99,11 +171,13 @@ impl<'a> Contest<'a> {
     /// Returns the answer of a pattern with its own parameters or, unless it is named, better ones.
     fn answer<P: Choosable>(
         &self,
-        pattern: P,
+        curve: PredictedCurve<P, P::Point>,
         predictor: &mut P::Predictor<'_>,
+        precision: Precision,
     ) -> Result<TimedCandidate<P>, CliError> {
         let question = &self.question;
-        let budgets = question.points().map_or(0.0, |n| budgets(pattern.nominal_work(n)));
+        let work = |n: usize| curve.pattern().nominal_work(n);
+        let budgets = question.points().map_or(0.0, |n| budgets(work(n)));
         if !self.is_named && budgets > MAX_BUDGETS {
             return Err(CliError::Failed(format!(
                 "a prediction costs {} times the work budget; name the sampler to include it",
@@ -112,10 +186,13 @@ impl<'a> Contest<'a> {
         }
         let limit =
             self.min_points.filter(|_| !self.is_named && question.cost_per_sample.is_none());
-        let candidate = TimedCandidate::new(pattern, limit, question, predictor, self.seed)?;
+        let candidate =
+            TimedCandidate::new(curve, limit, question, predictor, precision, self.seed)?;
         match self.is_named {
             true => Ok(candidate),
-            false => candidate.tuned(question, predictor, self.min_variance, self.seed),
+            false => {
+                candidate.tuned(question, predictor, (self.min_variance, limit), self.seed)
+            }
         }
     }
 }

@@ -108,13 +108,14 @@ impl<'a> Ranking<'a> {
         let is_expensive = |p: &Pattern| p.nominal_work(typical) >= EXPENSIVE * typical as f64;
         let n_inexpensive = uniform.iter().take_while(|p| !is_expensive(p)).count();
         let mut all = uniform.into_iter().zip(shares);
+        // The patterns with their rows, which are predicted fully once all others are known.
+        let mut surveyed = Vec::new();
+        let white_of = |predictor: &Predictor<'_>, n: usize| predictor.white_variance(n);
         let mut add = |contest: &mut Contest<'_>, predictor: &mut Predictor<'a>, count: usize| {
             for (pattern, share) in all.by_ref().take(count) {
-                let white = |predictor: &Predictor<'_>, n: usize| predictor.white_variance(n);
-                if let Some(candidate) = contest.add(pattern, predictor, white)
-                    && let Some(row) = contest.rows.last_mut()
-                {
-                    row.record.coefficients = coefficients_of(&candidate, &mut coefficients)?;
+                let index = contest.rows.len();
+                if let Some(candidate) = contest.survey(pattern, predictor, white_of) {
+                    surveyed.push((index, candidate));
                 }
                 progress.advance(share)?;
             }
@@ -128,18 +129,28 @@ impl<'a> Ranking<'a> {
         if let Some(proposed) = proposed {
             of_warps.add_proposed(&mut contest, proposed, &progress, &white)?;
         }
-        match contest.lead_of_densities() {
+        match contest.lead_of_warped() {
             Some(ratio) => {
                 for (pattern, _) in all {
                     let reason = format!(
-                        "importance sampling has {} times less variance than the inexpensive patterns; name the \
-                         sampler to include it",
+                        "a pattern mapped from the square has {} times less variance than the inexpensive patterns \
+                         of the sphere; name the sampler to include it",
                         number::ratio(ratio)
                     );
                     contest.leave_out(pattern.to_string(), pattern.label(), reason);
                 }
             }
             None => add(&mut contest, &mut predictor, usize::MAX)?,
+        }
+        surveyed.sort_by(|a, b| contest.rows[a.0].merit.total_cmp(&contest.rows[b.0].merit));
+        while let Some((index, candidate)) =
+            surveyed.iter_mut().find(|(i, candidate)| contest.needs_refinement(*i, candidate))
+        {
+            contest.refine(*index, candidate, &mut predictor, white_of);
+        }
+        for (index, candidate) in &surveyed {
+            let record = &mut contest.rows[*index].record;
+            record.coefficients = coefficients_of(candidate, &mut coefficients)?;
         }
         let Contest { question, rows, left_out, .. } = contest;
         Self {

@@ -33,6 +33,8 @@ pub(super) struct Row {
     pub(super) variance_of_density: Option<f64>,
     /// See [`Details::known_to`].
     pub(super) known_to: Option<f64>,
+    /// Whether predictions of a higher precision would be more accurate.
+    pub(super) is_rough: bool,
 }
 
 /// Errors within this share of each other count as the same.
@@ -79,6 +81,7 @@ impl Row {
             warp: pattern.warp(),
             variance_of_density: details.variance_of_density,
             known_to,
+            is_rough: candidate.is_rough(),
         }
     }
 
@@ -97,6 +100,12 @@ impl Row {
     /// Returns whether the variance is known to a quarter, its tail included.
     fn is_accurate(&self) -> bool {
         self.variance.is_some_and(|(variance, stderr)| stderr <= MAX_UNKNOWN * variance)
+    }
+
+    /// Returns whether the row may be recommended before others: predicted to a quarter of the variance,
+    /// by a density that is not the integrand.
+    pub(super) fn is_sure(&self) -> bool {
+        self.known_to.is_none() && self.record.basis == "predicted" && self.is_accurate()
     }
 
     /// Returns the variance at a number of points within the curve.
