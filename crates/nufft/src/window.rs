@@ -44,6 +44,11 @@ impl Window {
         Self { width, beta, tolerance: (0.01 * epsilon).max(4.0 * f64::EPSILON) }
     }
 
+    /// Returns the window with another error of its piecewise polynomials.
+    pub(crate) fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
     /// Returns the width in grid cells.
     #[must_use]
     pub fn width(self) -> usize {

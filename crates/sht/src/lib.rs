@@ -5,7 +5,8 @@
 //! O(N lmax^2), to rounding, for any points. [`FastTransform`] computes it to a requested accuracy
 //! in O(N log^2(1/epsilon) + lmax^3). [`Transform`] selects one of them. Their Legendre stage is
 //! available separately as [`RingTransform`], for functions whose Fourier coefficients are known on
-//! rings of constant colatitude.
+//! rings of constant colatitude; [`DenseRingTransform`] is its adjoint for many more rings than
+//! degrees.
 //!
 //! *Synthesis* evaluates a function with given coefficients at scattered points. *Gradient* also
 //! evaluates its tangent gradient, without a singularity at the poles.
@@ -48,6 +49,7 @@
 //! quadrature weights of given points, both with a pair of transforms.
 
 mod angles;
+mod dense_rings;
 mod engine;
 mod exact;
 mod fast;
@@ -60,6 +62,7 @@ mod rings;
 mod torus;
 mod transform;
 
+pub use dense_rings::{DenseRingTransform, MirroredRings, RingSums};
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
 pub use fit::{Fit, FitError, FittedEnergy, LeastSquares};

@@ -319,23 +319,20 @@ impl<T: Real> Torus<T> {
         });
     }
 
-    /// Computes ring terms from the spectra of a set for the orders from `first`, a multiple of
-    /// `ORDERS`: order `first + i` on ring r at `i * n_ring_rows + r`.
+    /// Computes ring terms from the spectra of a block of orders, in groups of rows: order i of the
+    /// block on ring r at `i * n_ring_rows + r`.
     #[inline(always)]
-    fn analyse_columns(
+    fn analyse_columns<'s>(
         &self,
-        first: usize,
-        spectra: &[Complex<T>],
+        groups: impl Iterator<Item = &'s [[Complex<T>; ORDERS]; ROWS]>,
         terms: &mut [Complex<T>],
         scratch: &mut TorusScratch<T>,
     ) {
         self.prepare(scratch);
         let TorusScratch { columns, rings, fft, .. } = scratch;
         let (n, pole) = (self.n_theta, self.n_theta / 2);
-        let groups = spectra.chunks_exact(self.group_len());
         for (row, group) in (0..=pole).step_by(ROWS).zip(groups) {
-            let blocks = group.as_chunks::<ORDERS>().0.as_chunks::<ROWS>().0;
-            self.gather_columns(row, &blocks[first / ORDERS], columns);
+            self.gather_columns(row, group, columns);
         }
         self.theta_forward.process_with_scratch(columns, fft);
         // A factor 1/2 since the symmetrized column contains everything twice, and 1/n_rings.
@@ -467,7 +464,10 @@ impl<T: Real> Torus<T> {
 pub(crate) enum Stage<'a, T> {
     FoldPoles { grid: &'a mut [T] },
     AnalyseRows { first: usize, rows: &'a mut [T], spectra: &'a mut [Complex<T>] },
+    /// For the orders from `first`, a multiple of `ORDERS`.
     AnalyseColumns { first: usize, spectra: &'a [Complex<T>], terms: &'a mut [Complex<T>] },
+    /// For spectra of one block of orders only, padded to whole groups of rows.
+    AnalyseBlock { spectra: &'a [[Complex<T>; ORDERS]], terms: &'a mut [Complex<T>] },
     SynthesiseColumns { values: &'a [Complex<T>], spectra: &'a mut [Complex<T>] },
     SynthesiseRows { first: usize, spectra: &'a [Complex<T>], rows: &'a mut [T] },
     UnfoldPoles { grid: &'a mut [T] },
@@ -492,7 +492,15 @@ impl<T: Real> NullaryFnOnce for Run<'_, T> {
                 torus.analyse_rows(first, rows, layout, spectra, scratch);
             }
             Stage::AnalyseColumns { first, spectra, terms } => {
-                torus.analyse_columns(first, spectra, terms, scratch);
+                let groups = spectra.chunks_exact(torus.group_len()).map(|group| {
+                    let blocks = group.as_chunks::<ORDERS>().0.as_chunks::<ROWS>().0;
+                    &blocks[first / ORDERS]
+                });
+                torus.analyse_columns(groups, terms, scratch);
+            }
+            Stage::AnalyseBlock { spectra, terms } => {
+                let groups = spectra.as_chunks::<ROWS>().0.iter();
+                torus.analyse_columns(groups, terms, scratch);
             }
             Stage::SynthesiseColumns { values, spectra } => {
                 torus.synthesise_columns(values, spectra, scratch);

@@ -328,6 +328,13 @@ impl Group {
     }
 }
 
+/// Returns the highest order that is significant at a colatitude up to degree `lmax`, in the default
+/// arithmetic.
+pub(crate) fn last_order(colatitude: Colatitude, lmax: usize) -> f64 {
+    let smallest = Arithmetic::default().smallest();
+    last_order_at(colatitude.sin(), colatitude.cos(), lmax as f64, smallest)
+}
+
 /// Returns the order beyond which every `|lambda_lm|`, l <= lmax, is below `smallest` at a
 /// colatitude.
 ///

@@ -9,7 +9,7 @@ mod number;
 mod order;
 
 pub(crate) use kernel::{Adjoint, Columns, Synthesis};
-pub(crate) use lanes::{Arithmetic, Lanes};
+pub(crate) use lanes::{Arithmetic, Lanes, last_order};
 use order::Form;
 pub(crate) use order::Order;
 

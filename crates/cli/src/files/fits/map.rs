@@ -231,6 +231,18 @@ impl<'a> MapTable<'a> {
         let mut next = 0;
         for number in 0..self.rows {
             reader.read_data(&mut row, &promise)?;
+            // Nearly all maps are floats in order.
+            if let Indexing::Implicit { first, .. } = &self.indexing {
+                let start = usize::try_from(*first + next).unwrap_or(usize::MAX);
+                let values = &mut values[start..start + self.column.items];
+                if self.column.floats(&row, values) {
+                    if let Some(bad) = bad {
+                        values.iter_mut().filter(|x| is_near(**x, bad)).for_each(|x| *x = f64::NAN);
+                    }
+                    next += self.column.items as u64;
+                    continue;
+                }
+            }
             for item in 0..self.column.items {
                 let pixel = match &self.indexing {
                     Indexing::Implicit { first, .. } => *first + next,

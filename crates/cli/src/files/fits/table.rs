@@ -232,6 +232,27 @@ impl TableColumn {
         }
     }
 
+    /// Replaces `out` by the items of a row of a column of floats; returns false, without changes, for
+    /// other columns.
+    pub(crate) fn floats(&self, row: &[u8], out: &mut [f64]) -> bool {
+        let bytes = &row[self.start..self.start + self.width];
+        match self.kind {
+            Kind::Float(4) => {
+                for (out, &item) in out.iter_mut().zip(bytes.as_chunks().0) {
+                    *out = self.scale * f64::from(f32::from_be_bytes(item)) + self.zero;
+                }
+                true
+            }
+            Kind::Float(8) => {
+                for (out, &item) in out.iter_mut().zip(bytes.as_chunks().0) {
+                    *out = self.scale * f64::from_be_bytes(item) + self.zero;
+                }
+                true
+            }
+            _ => false,
+        }
+    }
+
     fn integer<'r>(&self, value: i64) -> Item<'r> {
         if self.null == Some(value) {
             return Item::Missing;
