@@ -65,7 +65,7 @@ pub struct DenseRingTransform {
 pub trait MirroredRings: Sync {
     /// Adds the values of the orders `first..first + RingSums::ORDERS` on every pair of rings to
     /// `sums`; `first` is a multiple of [`RingSums::ORDERS`]. Values of orders beyond lmax are
-    /// ignored. `FUSED` says that the processor has fused multiply-adds.
+    /// ignored. `FUSED` is true where the processor has fused multiply-adds.
     ///
     /// Rings that are close to each other should follow each other.
     fn add<const FUSED: bool>(&self, first: usize, sums: &mut RingSums<'_>);

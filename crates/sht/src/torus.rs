@@ -462,15 +462,37 @@ impl<T: Real> Torus<T> {
 
 /// One of the stages with its arguments, compiled for the selected instruction set.
 pub(crate) enum Stage<'a, T> {
-    FoldPoles { grid: &'a mut [T] },
-    AnalyseRows { first: usize, rows: &'a mut [T], spectra: &'a mut [Complex<T>] },
+    FoldPoles {
+        grid: &'a mut [T],
+    },
+    AnalyseRows {
+        first: usize,
+        rows: &'a mut [T],
+        spectra: &'a mut [Complex<T>],
+    },
     /// For the orders from `first`, a multiple of `ORDERS`.
-    AnalyseColumns { first: usize, spectra: &'a [Complex<T>], terms: &'a mut [Complex<T>] },
+    AnalyseColumns {
+        first: usize,
+        spectra: &'a [Complex<T>],
+        terms: &'a mut [Complex<T>],
+    },
     /// For spectra of one block of orders only, padded to whole groups of rows.
-    AnalyseBlock { spectra: &'a [[Complex<T>; ORDERS]], terms: &'a mut [Complex<T>] },
-    SynthesiseColumns { values: &'a [Complex<T>], spectra: &'a mut [Complex<T>] },
-    SynthesiseRows { first: usize, spectra: &'a [Complex<T>], rows: &'a mut [T] },
-    UnfoldPoles { grid: &'a mut [T] },
+    AnalyseBlock {
+        spectra: &'a [[Complex<T>; ORDERS]],
+        terms: &'a mut [Complex<T>],
+    },
+    SynthesiseColumns {
+        values: &'a [Complex<T>],
+        spectra: &'a mut [Complex<T>],
+    },
+    SynthesiseRows {
+        first: usize,
+        spectra: &'a [Complex<T>],
+        rows: &'a mut [T],
+    },
+    UnfoldPoles {
+        grid: &'a mut [T],
+    },
 }
 
 struct Run<'a, T> {

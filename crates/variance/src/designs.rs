@@ -1,6 +1,4 @@
-use sphvar_samplers::{
-    BlueParameters, Domain, Pattern, Sampler, SpectralControl, StepParameters,
-};
+use sphvar_samplers::{BlueParameters, Domain, Pattern, Sampler, SpectralControl, StepParameters};
 
 use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
 

@@ -91,9 +91,7 @@ pub use progressive::{
 };
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
-pub use required_points::{
-    RequiredPoints, required_points, required_points_within, valid_between,
-};
+pub use required_points::{RequiredPoints, required_points, required_points_within, valid_between};
 pub use space::{Distribution, IntegrationSpace, SquarePredictor};
 pub use sphvar_integrands::{Energy, Integrand, VectorIntegrand};
 pub use sphvar_samplers::Square;

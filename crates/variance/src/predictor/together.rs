@@ -311,9 +311,13 @@ mod tests {
     #[test]
     fn an_estimate_ends_where_it_is_precise_or_exhausted() {
         // 8, 16, 32, 50.
-        for (count, is_precise, expected) in
-            [(8, true, true), (8, false, false), (16, true, true), (20, true, false), (4, true, false)]
-        {
+        for (count, is_precise, expected) in [
+            (8, true, true),
+            (8, false, false),
+            (16, true, true),
+            (20, true, false),
+            (4, true, false),
+        ] {
             assert_eq!(is_last(count, 50, is_precise), expected, "{count}");
         }
         assert!(is_last(50, 50, false) && is_last(4, 4, false));

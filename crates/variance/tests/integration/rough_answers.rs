@@ -2,7 +2,9 @@
 
 use sphvar_integrands::{Cap, Harmonic, Integrand, VonMisesFisher};
 use sphvar_samplers::{Domain, Pattern};
-use sphvar_variance::{Candidate, CurvePredictor, Goal, PredictedCurve, PredictionBudget, Predictor};
+use sphvar_variance::{
+    Candidate, CurvePredictor, Goal, PredictedCurve, PredictionBudget, Predictor,
+};
 
 /// Patterns of each kind: independent, strata in closed form, lattices with a few and many degrees,
 /// random ones that are inexpensive, expensive, and without power at low degrees.

@@ -105,7 +105,8 @@ impl<P: Choosable> TimedCandidate<P> {
         let share = if stderr.is_nan() { 0.0 } else { errors * stderr / variance };
         let point = self.answer.n_points.and_then(|n| self.answer.curve.at(n));
         let is_estimate = point.is_none_or(|point| point.prediction().stderr > 0.0);
-        let is_near = merit * (1.0 - share).max(0.0) <= limit || is_estimate && merit <= factor * limit;
+        let is_near =
+            merit * (1.0 - share).max(0.0) <= limit || is_estimate && merit <= factor * limit;
         self.is_rough() && is_near
     }
 

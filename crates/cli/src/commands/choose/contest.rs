@@ -145,9 +145,10 @@ impl<'a> Contest<'a> {
     ) -> bool {
         let is_uniform = |row: &&Row| row.density == Density::Uniform && row.is_sure();
         let uniform = self.rows.iter().filter(is_uniform).map(|row| row.merit);
-        let is_best = self.rows.get(index).is_some_and(|row| {
-            row.is_sure() && row.merit <= uniform.fold(f64::INFINITY, f64::min)
-        });
+        let is_best = self
+            .rows
+            .get(index)
+            .is_some_and(|row| row.is_sure() && row.merit <= uniform.fold(f64::INFINITY, f64::min));
         candidate.is_rough() && is_best
             || candidate.may_compete(&self.question, self.best_merit(index))
     }
@@ -190,9 +191,7 @@ impl<'a> Contest<'a> {
             TimedCandidate::new(curve, limit, question, predictor, precision, self.seed)?;
         match self.is_named {
             true => Ok(candidate),
-            false => {
-                candidate.tuned(question, predictor, (self.min_variance, limit), self.seed)
-            }
+            false => candidate.tuned(question, predictor, (self.min_variance, limit), self.seed),
         }
     }
 }

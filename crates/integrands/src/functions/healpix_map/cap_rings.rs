@@ -74,8 +74,8 @@ impl CapRings {
                     clippy::cast_sign_loss,
                     reason = "a part of a positive number"
                 )]
-                let least = (SHARED_GRID * ring as f64) as usize;
-                smallest = least.max(1);
+                let min = (SHARED_GRID * ring as f64) as usize;
+                smallest = min.max(1);
             }
             grid_of[ring - 1] = grids.len() - 1;
         }

@@ -154,8 +154,8 @@ fn coefficients_of_single_pixels_are_those_of_the_definition() {
     }
     let values = |count| (0..count).map(|i| if i % 2 == 0 { 1e150 } else { -1e-150 }).collect();
     check(&map(3, values), 20, "magnitudes");
-    let refused = HealpixMap::new(Nside::new(1).unwrap(), vec![1e300; 12]);
-    assert!(matches!(refused, Err(Error::Magnitude { .. })));
+    let too_large = HealpixMap::new(Nside::new(1).unwrap(), vec![1e300; 12]);
+    assert!(matches!(too_large, Err(Error::Magnitude { .. })));
 }
 
 #[test]

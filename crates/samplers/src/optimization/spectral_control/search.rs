@@ -27,7 +27,7 @@ pub(crate) struct Search {
 impl Search {
     /// Replaces the content of `points` by a set that meets the target of `energy`; `start` appends
     /// a random set to the empty vector. If `staged` has an energy, it is minimized first, which
-    /// usually is enough. Returns the residuals of the last descent if all stall.
+    /// is enough in most cases. Returns the residuals of the last descent if all stall.
     pub(crate) fn run<T: BandTransform, S: PenaltySpace<Point = T::Point>>(
         self,
         points: &mut Vec<T::Point>,
