@@ -118,7 +118,7 @@ impl HealpixMap {
     ///
     /// Uses the threads of the current pool of rayon; the result does not depend on their number.
     ///
-    /// Cost: a Fourier transform of every ring of pixels, four to nine nodes per ring and order
+    /// Cost: a Fourier transform of every ring of pixels, four to eleven nodes per ring and order
     /// while lmax is at most `3 nside`, and a [`RingTransform`](sphvar_sht::RingTransform) of
     /// `lmax + 2` rings.
     ///
