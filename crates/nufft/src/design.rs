@@ -79,8 +79,9 @@ impl Design {
             e if e >= 1e-7 => 1.245,
             e if e >= 1e-10 => 1.49,
             e if e >= 1e-11 => 1.745,
-            e if e >= 5e-13 => 2.0,
-            _ => 2.5,
+            // Wide windows on coarser grids amplify rounding in derivatives beyond these accuracies.
+            e if e >= 5e-13 => 2.25,
+            _ => 2.75,
         };
         Self::new(epsilon, Window::new(epsilon / 16.0, oversampling), false, oversampling)
     }

@@ -36,8 +36,8 @@ impl Window {
     pub fn new(epsilon: f64, oversampling: f64) -> Self {
         // Aliasing decreases as exp(-pi w sqrt(1 - 1/sigma)) times a measured constant of 3.
         let decay = PI * (1.0 - 1.0 / oversampling).sqrt();
-        let width = ((4.0 / epsilon).ln() / decay).ceil() as usize;
-        let width = width.next_multiple_of(2).clamp(4, MAX_WIDTH);
+        let width = (((4.0 / epsilon).ln() / decay).ceil() as usize).clamp(4, MAX_WIDTH);
+        let width = width.next_multiple_of(2);
         // The largest beta whose transform has decayed at the first alias, with a small margin.
         let beta = 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling);
         // Beyond rounding, higher degrees would only add noise, which derivatives amplify.

@@ -111,7 +111,7 @@ leja 12: 36 320 154 0 exact
 leja 192: 9216 520 55 0 exact
 leja 3072: 2359296 2200 4 - fast
 lloyd 12: 1920 32 2881 512 exact
-lloyd 192: 30720 52 245 245 exact
+lloyd 192: 30720 52 245 8 exact
 lloyd 3072: 491520 220 15 - fast
 dpp 12: 109 32 8287 0 exact
 dpp 192: 445907 52 17 - exact

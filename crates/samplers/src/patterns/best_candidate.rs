@@ -179,7 +179,8 @@ impl Parametric for BestCandidateParameters {
 impl Definition for BestCandidateParameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
-            cost: CostOrder { exponent: 1.3, ..CostOrder::LINEAR },
+            // From the nominal work of 1000 and of 10^6 points.
+            cost: CostOrder { exponent: 1.36, ..CostOrder::LINEAR },
             low_degrees: "0.075",
             smooth_rate: Rate::power(-1.0),
             jump_rate: Rate::power(-1.0),
