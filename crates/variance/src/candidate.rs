@@ -61,7 +61,7 @@ impl<F: Clone, P: PredictedVariance> Candidate<F, P> {
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`required_points`] and [`PredictorOn::predict`](crate::PredictorOn::predict).
+    /// Returns the errors of [`required_points`](crate::required_points) and [`PredictorOn::predict`](crate::PredictorOn::predict).
     pub fn new<C: CurvePredictor<F, Point = P> + ?Sized>(
         family: F,
         goal: Goal,

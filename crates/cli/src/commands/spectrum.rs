@@ -230,7 +230,7 @@ pub(crate) fn compute(
     } else {
         match catalogue::open(args, domain, global)? {
             Opened::Catalogue(catalogue) => return catalogue.compute(args, domain, global, only),
-            Opened::Sets(facts, sets) => Source::Files { facts: Box::new(facts), sets },
+            Opened::Sets(facts, sets) => Source::Files { facts, sets },
         }
     };
     if let Source::Sampler { pattern, sampler } = &source
@@ -311,7 +311,7 @@ pub(crate) fn compute(
             let is_file = matches!(pattern, Pattern::PointFile(_));
             (!sampler.is_random(), Origin::of_sampler(is_file, weights))
         }
-        Source::Files { facts, .. } => (count == 1, Origin::Given(facts.weights.clone())),
+        Source::Files { facts, .. } => (count == 1, Origin::Given(Box::new(facts.weights.clone()))),
     };
     let spectrum = sums.finish()?;
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };

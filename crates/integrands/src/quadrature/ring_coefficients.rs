@@ -1,6 +1,7 @@
 //! Coefficients from the Fourier coefficients of a function on rings.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -274,8 +275,8 @@ impl Fourier {
         let step = (max_order.next_power_of_two() / 16).max(16);
         let kmax = max_order.next_multiple_of(step);
         let failed = |_| Error::NoEnergy { reason: "values on a ring are not finite or too many" };
-        if !self.circles.contains_key(&kmax) {
-            self.circles.insert(kmax, CircleTransform::new(kmax, EPSILON).map_err(failed)?);
+        if let Entry::Vacant(place) = self.circles.entry(kmax) {
+            place.insert(CircleTransform::new(kmax, EPSILON).map_err(failed)?);
         }
         self.points.clear();
         self.points.extend(places.iter().map(|place| place.0));

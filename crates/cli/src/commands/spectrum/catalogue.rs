@@ -35,14 +35,14 @@ pub(super) enum Opened {
     /// One set that is transformed in blocks.
     Catalogue(Catalogue),
     /// Sets that are transformed as they are; `None` if their results are known.
-    Sets(SetFacts, Option<FileSets>),
+    Sets(Box<SetFacts>, Option<FileSets>),
 }
 
 /// What is known of files without reading their points, so that results can be merged without them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Facts {
     Catalogue(CatalogueFacts),
-    Sets(SetFacts),
+    Sets(Box<SetFacts>),
 }
 
 /// What is known of a catalogue without its points.
@@ -110,11 +110,11 @@ pub(super) fn open_sets<S: Space<Point: FilePoint>>(
             return Err(CliError::File(format!("the saved result of {TASK} has another form")));
         };
         facts.remarks.iter().for_each(|remark| session.say(remark));
-        return Ok((facts, None));
+        return Ok((*facts, None));
     }
     let sets = read()?;
     let facts = sets.facts();
-    tasks.once(TASK, || Ok(Facts::Sets(facts.clone())))?;
+    tasks.once(TASK, || Ok(Facts::Sets(Box::new(facts.clone()))))?;
     Ok((facts, Some(sets)))
 }
 
@@ -189,7 +189,7 @@ pub(super) fn open(
             let sets = read()?;
             (sets.facts(), Some(sets))
         };
-        return Ok(Opened::Sets(facts, sets));
+        return Ok(Opened::Sets(Box::new(facts), sets));
     }
     let sets = read()?;
     let facts = sets.facts();
@@ -202,6 +202,7 @@ pub(super) fn open(
         let (options, source) = (args.sets.files.options(), Source::Held(sets));
         return Ok(Opened::Catalogue(Catalogue { facts, source, options, lmax }));
     }
+    let facts = Box::new(facts);
     tasks.once(TASK, || Ok(Facts::Sets(facts.clone())))?;
     Ok(Opened::Sets(facts, Some(sets)))
 }
@@ -319,7 +320,10 @@ impl Catalogue {
         };
         let exact = spectrum.finish()?.into_exact();
         let shard = Shard { ensemble, parts: vec![only.unwrap_or(Part::WHOLE)], sums: spectrum };
-        let sums = EstimatedSums { shard, origin: Origin::Given(WeightTotals::of_blocks(&total)) };
+        let sums = EstimatedSums {
+            shard,
+            origin: Origin::Given(Box::new(WeightTotals::of_blocks(&total))),
+        };
         Ok(Some(Computed {
             name: self.facts.name,
             spectrum: exact,

@@ -239,7 +239,7 @@ fn sampled(
             let is_file = matches!(pattern, SquarePattern::PointFile(_));
             Origin::of_sampler(is_file, WeightSums::of_square_sampler(&**sampler))
         }
-        Source::Files { facts, .. } => Origin::Given(facts.weights.clone()),
+        Source::Files { facts, .. } => Origin::Given(Box::new(facts.weights.clone())),
     };
     Ok(Some((result, EstimatedSums { shard, origin })))
 }

@@ -26,7 +26,7 @@ pub(crate) enum Origin {
     /// is unknown whether others are of the same sampler.
     FileSampler(Option<WeightSums>),
     /// The sets that the user gave, each once: they have no numbers.
-    Given(WeightTotals),
+    Given(Box<WeightTotals>),
 }
 
 impl Origin {

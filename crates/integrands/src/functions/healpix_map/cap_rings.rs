@@ -258,14 +258,14 @@ impl Frequencies {
         let cells = cells as f64;
         let per_order = 0.25 * cells / distance;
         let mut t = [0.0; RingSums::ORDERS];
-        for i in 0..RingSums::ORDERS {
+        for (i, (t, cell)) in t.iter_mut().zip(&mut self.places).enumerate() {
             let x = (first + i) as f64 * per_order;
             let x = if x < cells { x } else { x - cells * (x / cells).floor() };
             let place = (x - MARGIN as f64).ceil();
-            t[i] = 2.0 * (x - place - MARGIN as f64) + 1.0;
+            *t = 2.0 * (x - place - MARGIN as f64) + 1.0;
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0")]
             let place = (place + MARGIN as f64) as usize;
-            self.places[i] = place;
+            *cell = place;
         }
         let pairs = self.windows.as_chunks_mut::<2>().0.iter_mut().zip(t.as_chunks::<2>().0);
         for (windows, &t) in pairs {

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::Range;
 
@@ -43,13 +44,13 @@ impl HeightRule {
     pub(super) fn new(n: usize, lmax: usize) -> Result<Self, Error> {
         let side = n as f64;
         let mut rules: BTreeMap<usize, GaussLegendre> = BTreeMap::new();
-        let mut rule = HeightRule { n, panels: Vec::new(), nodes: Vec::new() };
+        let mut rule = Self { n, panels: Vec::new(), nodes: Vec::new() };
         let belt = node_count(lmax, &belt_growth(side));
         for panel in 0..2 * n {
             let from = panel as f64;
             let count = if panel < n { node_count(lmax, &cap_growth(side, from)) } else { belt };
-            if !rules.contains_key(&count) {
-                rules.insert(count, GaussLegendre::new(count)?);
+            if let Entry::Vacant(place) = rules.entry(count) {
+                place.insert(GaussLegendre::new(count)?);
             }
             let first = rule.nodes.len();
             let gauss = &rules[&count];
