@@ -179,8 +179,8 @@ impl Parametric for BestCandidateParameters {
 impl Definition for BestCandidateParameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
-            // From the nominal work of 1000 and of 10^6 points.
-            cost: CostOrder { exponent: 1.36, ..CostOrder::LINEAR },
+            // Between the square of few points and the power 4/3 of many.
+            cost: CostOrder { exponent: 1.34, ..CostOrder::LINEAR },
             low_degrees: "0.075",
             smooth_rate: Rate::power(-1.0),
             jump_rate: Rate::power(-1.0),

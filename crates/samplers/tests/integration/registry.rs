@@ -345,7 +345,8 @@ fn extensible_patterns_begin_with_their_smaller_sets() {
     }
 }
 
-/// A logarithm changes the exponent by less than a tenth here, whether nominal work has it or not.
+/// A logarithm changes the exponent by less than a tenth here, whether nominal work has it or not, and
+/// another method for few points by less than 0.03.
 #[test]
 fn costs_grow_as_the_nominal_work() {
     for pattern in patterns_with_facts() {
@@ -354,8 +355,8 @@ fn costs_grow_as_the_nominal_work() {
         let exponent = (many / few).ln() / (counts[1] as f64 / counts[0] as f64).ln();
         let cost = pattern.facts().cost;
         let above = exponent - cost.exponent;
-        let max = 0.01 + 0.1 * cost.logarithm;
-        assert!(above > -0.01 && above < max, "{pattern}: {exponent}, not {cost}");
+        let max = 0.03 + 0.1 * cost.logarithm;
+        assert!(above > -0.03 && above < max, "{pattern}: {exponent}, not {cost}");
     }
 }
 
