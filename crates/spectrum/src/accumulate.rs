@@ -183,14 +183,12 @@ pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
         .into_par_iter()
         .fold(|| Ok(begin()), step)
         .map(|worker| Ok(worker?.accumulator));
-    finished.reduce(
-        || Ok(empty.clone()),
-        |a, b| {
-            let mut a = a?;
-            a.merge(&b?);
-            Ok(a)
-        },
-    )
+    let merge = |a: Result<A, Error>, b: Result<A, Error>| {
+        let mut a = a?;
+        a.merge(&b?);
+        Ok(a)
+    };
+    finished.reduce_with(merge).unwrap_or_else(|| Ok(empty.clone()))
 }
 
 /// The buffers of one thread.

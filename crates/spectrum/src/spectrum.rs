@@ -210,6 +210,17 @@ impl<B: Bands> Spectrum<B> {
         self
     }
 
+    /// Returns a copy without the powers of bands other than 0.
+    #[must_use]
+    pub fn first_band(&self) -> Self {
+        Self {
+            bands: self.bands.clone(),
+            power: self.power[..1].to_vec(),
+            stderr: self.stderr[..1].to_vec(),
+            ..*self
+        }
+    }
+
     /// Returns the existing bands, starting at 0, each with its mean power and standard error.
     pub fn rows(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let rows = self.power.iter().zip(&self.stderr).enumerate();

@@ -1,5 +1,9 @@
+use std::sync::Arc;
+
 use sphvar_sh::{Bands, ByParity, TailClasses};
-use sphvar_spectrum::{Accumulator, ClassMoments, Moments, Realization, SpectralBands, Spectrum};
+use sphvar_spectrum::{
+    Accumulator, ClassMoments, ExactSum, Moments, Realization, SpectralBands, Spectrum,
+};
 
 use crate::error_moments::{ErrorTerms, PowerMoments};
 use crate::student_quantile;
@@ -283,7 +287,8 @@ fn first_of_shell(bands: &impl Bands, wanted: usize, last: usize) -> usize {
 /// includes the covariance of the powers of different degrees.
 #[derive(Clone, Debug)]
 pub struct PredictionAccumulator<T = ByParity> {
-    weights: Weights<T>,
+    /// Shared by the threads.
+    weights: Arc<Weights<T>>,
     /// Of estimated energies.
     errors: Option<ErrorTerms<T>>,
     sums: PredictionMoments<T>,
@@ -303,8 +308,8 @@ pub(crate) struct PredictionMoments<T> {
     relative: Moments,
     /// Moments of r times the power beyond the spectrum.
     tail: ClassMoments<T>,
-    /// Moments of r times the power in the windows of each class.
-    windows: Vec<Vec<Moments>>,
+    /// Sums of r times the power in the windows of each class.
+    windows: Vec<Vec<ExactSum>>,
     /// With estimated energies.
     power: Option<PowerMoments<T>>,
 }
@@ -331,7 +336,7 @@ impl<T: TailClasses> PredictionAccumulator<T> {
     #[must_use]
     pub fn new<B: Bands<Tail = T>>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let weights = Weights::new(energy, n_points, last);
-        let windows = weights.of_windows(|_| Moments::default());
+        let windows = weights.of_windows(|_| ExactSum::default());
         let errors = ErrorTerms::new(energy, n_points);
         let sums = PredictionMoments {
             moments: Moments::default(),
@@ -340,7 +345,7 @@ impl<T: TailClasses> PredictionAccumulator<T> {
             windows,
             power: errors.as_ref().map(|_| PowerMoments::new(weights.per_band.len())),
         };
-        Self { weights, errors, sums }
+        Self { weights: Arc::new(weights), errors, sums }
     }
 
     /// Returns the sums over the realizations.
@@ -361,7 +366,7 @@ impl<T: TailClasses> PredictionAccumulator<T> {
         let relative = sums.relative.mean();
         let scale = self.weights.scale * relative;
         let tail = sums.tail.mean().map(|power| power / relative);
-        let mean = |moments: &Moments| moments.mean() / relative;
+        let mean = |sum: &ExactSum| sum.value() / sums.moments.count() as f64 / relative;
         let windows: Vec<_> = sums.windows.iter().map(|w| w.iter().map(mean).collect()).collect();
         let prediction = Prediction {
             variance: self.weights.scale * sums.moments.mean(),
@@ -395,8 +400,8 @@ impl<T: TailClasses> PredictionAccumulator<T> {
         sums.relative.push(relative);
         sums.tail.push(tail.map(|power| relative * power));
         let windows = self.weights.windows.iter().flatten();
-        for (moments, window) in sums.windows.iter_mut().flatten().zip(windows) {
-            moments.push(relative * window.mean(powers));
+        for (sum, window) in sums.windows.iter_mut().flatten().zip(windows) {
+            sum.add(relative * window.mean(powers));
         }
     }
 }

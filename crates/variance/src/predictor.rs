@@ -46,6 +46,8 @@ pub struct PredictorOn<'a, S: IntegrationSpace> {
     energies: BTreeMap<S::Level, Energy<S::Bands>>,
     kurtosis: OnceCell<Option<f64>>,
     on_energies: &'a dyn Fn(usize),
+    /// Whether predictions have spectra, or only their band 0.
+    has_spectra: bool,
 }
 
 impl<S: IntegrationSpace> std::fmt::Debug for PredictorOn<'_, S> {
@@ -77,6 +79,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
             energies: BTreeMap::new(),
             kurtosis: OnceCell::new(),
             on_energies: &|_| (),
+            has_spectra: true,
         })
     }
 
@@ -84,6 +87,14 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
     #[must_use]
     pub fn with_options(self, options: SpectrumOptions) -> Self {
         Self { options, ..self }
+    }
+
+    /// Returns the predictor of predictions without their spectra, which take most of the time on the
+    /// square: a [`PredictedPoint::spectrum`] has the bands of the prediction, but only the power of
+    /// band 0. Predictions are the same.
+    #[must_use]
+    pub fn without_spectra(self) -> Self {
+        Self { has_spectra: false, ..self }
     }
 
     /// Returns the predictor with random streams of its own.
@@ -322,7 +333,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         point: &PredictedPoint<S::Bands>,
     ) -> Result<bool, Error> {
         let extent = self.extent(budget, sampler)?;
-        if S::last_band(&extent) != point.spectrum.lmax() {
+        if S::last_band(&extent) != S::last_of(&point.spectrum) {
             return Ok(false);
         }
         let is_random = S::distribution(sampler).is_random();

@@ -85,8 +85,15 @@ pub trait IntegrationSpace: Space {
         sampler: Self::SamplerRef<'_>,
     ) -> Result<Self::Extent, Error>;
 
+    /// Returns the bands of spectra of an extent.
+    fn bands(self, extent: &Self::Extent) -> Self::Bands;
+
     /// Returns the last band of a spectrum.
     fn last_band(extent: &Self::Extent) -> usize;
+
+    /// Returns [`Self::last_band`] of the extent of a prediction, given the spectrum kept beside it; a
+    /// lower band where not all of the spectrum is kept.
+    fn last_of(spectrum: &Spectrum<Self::Bands>) -> usize;
 
     /// Returns the nominal work of transforming a set of `n_points`, from which numbers of
     /// realizations follow.

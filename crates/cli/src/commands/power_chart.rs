@@ -52,6 +52,11 @@ pub(super) fn largest_radius<B: Bands>(spectrum: &Spectrum<B>) -> usize {
     radius(spectrum.bands(), spectrum.lmax())
 }
 
+/// Returns the largest frequency of a prediction, whose spectrum may be of band 0 alone.
+pub(super) fn largest_frequency(spectrum: &Spectrum<Frequencies>) -> usize {
+    radius(spectrum.bands(), spectrum.bands().len() - 1)
+}
+
 /// Returns the radius up to which bands 0 to `last` are all bands.
 pub(super) fn radius<B: Bands>(bands: &B, last: usize) -> usize {
     // Only the last class of bands may extend further.

@@ -9,7 +9,7 @@ use sphvar_variance::{
 };
 
 use super::cases::WarpedCase;
-use super::power_chart::largest_radius;
+use super::power_chart::largest_frequency;
 use super::rows::{CaseExperiments, Effort, Plan, Row};
 use crate::error::CliError;
 use crate::integrands::{Integral, Integrals, strategies_of};
@@ -101,7 +101,8 @@ impl<'a> WarpedIntegrals<'a> {
             let mut predictors = Vec::new();
             for (exact, functions) in &warp.integrals {
                 let budget = PredictionBudget::DEFAULT;
-                let predictor = WarpedPredictor::new(functions, effort.seed, budget)?;
+                let predictor =
+                    WarpedPredictor::new(functions, effort.seed, budget)?.without_spectra();
                 predictors.push(predictor.with_options(effort.spectra).with_integral(*exact));
             }
             warps.push((warp, predictors));
@@ -230,7 +231,7 @@ impl WarpedPrediction {
         let spectra = || point.strategies.iter().map(|strategy| &strategy.spectrum);
         Self {
             prediction: point.prediction,
-            lmax: spectra().map(largest_radius).max().unwrap_or(0),
+            lmax: spectra().map(largest_frequency).max().unwrap_or(0),
             realizations: spectra().map(|s| s.realizations()).max().unwrap_or(0),
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use sphvar_samplers::{Domain, PointSet, Progress, Purpose, Sampler};
 use sphvar_sh::{Bands, ByParity};
-use sphvar_spectrum::{Accumulator, SpectrumAccumulator};
+use sphvar_spectrum::{Accumulator, Spectrum, SpectrumAccumulator};
 
 use super::{Predictor, PredictorOn};
 use crate::prediction::PredictionMoments;
@@ -179,10 +179,17 @@ fn to_extent<S: IntegrationSpace>(
 ) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
     let n_points = S::n_points(sampler);
     let Some(first) = predictors.first() else { return Ok(Vec::new()) };
-    let (space, options) = (first.space, first.options);
+    let (space, options, has_spectra) = (first.space, first.options, first.has_spectra);
+    let shown = |spectrum: &Spectrum<_>| {
+        if has_spectra { spectrum.clone() } else { spectrum.first_band() }
+    };
     match Route::of::<S>(&options, budget, sampler, extent) {
         Route::Flat => {
-            let spectrum = space.flat_spectrum(n_points, extent)?;
+            let spectrum = if has_spectra {
+                space.flat_spectrum(n_points, extent)?
+            } else {
+                Spectrum::exact(space.bands(extent), n_points, vec![1.0])
+            };
             let point = |p: &&mut PredictorOn<'_, S>| PredictedPoint {
                 spectrum: spectrum.clone(),
                 prediction: p.flat_prediction(n_points),
@@ -193,7 +200,7 @@ fn to_extent<S: IntegrationSpace>(
             let spectrum = S::exact_spectrum(&exact, extent, progress)?;
             let point = |p: &mut &mut PredictorOn<'_, S>| {
                 let prediction = predict_from(&spectrum, p.energies_to(extent)?);
-                Ok(PredictedPoint { spectrum: spectrum.clone(), prediction })
+                Ok(PredictedPoint { spectrum: shown(&spectrum), prediction })
             };
             predictors.iter_mut().map(point).collect()
         }
@@ -220,7 +227,12 @@ fn accumulators<S: IntegrationSpace>(
     extent: &S::Extent,
 ) -> Result<Sums<S::Bands>, Error> {
     let last = S::last_band(extent);
-    let spectrum = predictors[0].space.empty_spectrum(n_points, extent)?;
+    let PredictorOn { space, has_spectra, .. } = *predictors[0];
+    let spectrum = if has_spectra {
+        space.empty_spectrum(n_points, extent)?
+    } else {
+        SpectrumAccumulator::new(space.bands(extent), n_points, 0)
+    };
     let each = predictors
         .iter_mut()
         .map(|p| Ok(PredictionAccumulator::new(p.energies_to(extent)?, n_points, last)));
@@ -249,13 +261,14 @@ fn estimate<S: IntegrationSpace>(
     progress: &dyn Progress,
 ) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
     let n_points = S::n_points(sampler);
-    let empty = accumulators(predictors, n_points, extent)?;
+    let mut sum = accumulators(predictors, n_points, extent)?;
     let Some(predictor) = predictors.first() else { return Ok(Vec::new()) };
     let max = predictor.max_realizations(budget, sampler, extent);
     let (options, size) = (predictor.options, (n_points, extent));
     let sets = predictor.realizations(Purpose::Pattern, sampler);
     let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
-    let (mut sum, mut count) = (empty.clone(), 0);
+    let empty = sum.clone();
+    let mut count = 0;
     let mut next = predictor.options.realizations.unwrap_or(FIRST.min(max));
     loop {
         sum.merge(&S::accumulate(&sets, &options, size, count..next, &empty, progress)?);

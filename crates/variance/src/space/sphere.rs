@@ -96,8 +96,16 @@ impl IntegrationSpace for Domain {
         predictor.degree(budget, sampler)
     }
 
+    fn bands(self, _: &usize) -> Self {
+        self
+    }
+
     fn last_band(lmax: &usize) -> usize {
         *lmax
+    }
+
+    fn last_of(spectrum: &Spectrum) -> usize {
+        spectrum.lmax()
     }
 
     fn transform_work(n_points: usize, lmax: &usize) -> f64 {

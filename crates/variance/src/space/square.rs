@@ -129,8 +129,16 @@ impl IntegrationSpace for Square {
         prediction_frequencies(predictor, budget, sampler)
     }
 
+    fn bands(self, frequencies: &Frequencies) -> Frequencies {
+        frequencies.clone()
+    }
+
     fn last_band(frequencies: &Frequencies) -> usize {
         frequencies.len() - 1
+    }
+
+    fn last_of(spectrum: &Spectrum<Frequencies>) -> usize {
+        Self::last_band(spectrum.bands())
     }
 
     fn transform_work(n_points: usize, frequencies: &Frequencies) -> f64 {

@@ -97,6 +97,16 @@ impl<'a> WarpedPredictor<'a> {
         Self { strategies: self.strategies.into_iter().map(with).collect(), ..self }
     }
 
+    /// Returns the predictor of predictions without their spectra; see
+    /// [`PredictorOn::without_spectra`](crate::PredictorOn::without_spectra).
+    #[must_use]
+    pub fn without_spectra(self) -> Self {
+        let without = |(function, predictor): (_, SquarePredictor<'a>)| {
+            (function, predictor.without_spectra())
+        };
+        Self { strategies: self.strategies.into_iter().map(without).collect(), ..self }
+    }
+
     /// Returns the precision and the work of the prediction for each strategy.
     #[must_use]
     pub fn budget(&self) -> PredictionBudget {
@@ -327,6 +337,22 @@ impl CurvePredictor<WarpedPattern> for WarpedPredictor<'_> {
         let samplers = self.samplers(pattern, n_points)?;
         for ((_, predictor), sampler) in self.strategies.iter_mut().zip(&samplers) {
             if !predictor.is_affordable_within(budget, &**sampler)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn is_repeated_by(
+        &mut self,
+        pattern: &WarpedPattern,
+        point: &WarpedPoint,
+        budget: PredictionBudget,
+    ) -> Result<bool, Error> {
+        let samplers = self.samplers(pattern, point.n_points())?;
+        let each = self.strategies.iter_mut().zip(&samplers).zip(&point.strategies);
+        for (((_, predictor), sampler), point) in each {
+            if !predictor.repeats(budget, &**sampler, point)? {
                 return Ok(false);
             }
         }

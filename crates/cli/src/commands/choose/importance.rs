@@ -8,7 +8,7 @@ use sphvar_variance::{
 };
 
 use super::choosable::{Choosable, Density, Details, MakeSet};
-use crate::commands::power_chart::largest_radius;
+use crate::commands::power_chart::largest_frequency;
 use crate::error::CliError;
 
 /// The nominal work of mapping a point.
@@ -96,7 +96,7 @@ impl Choosable for WarpedPattern {
         let white = |n: usize| predictor.white_variance(self, n);
         let deviation = predictor.integral().map(|integral| white(1).sqrt() / integral.abs());
         Details {
-            lmax: spectra().map(largest_radius).max(),
+            lmax: spectra().map(largest_frequency).max(),
             realizations: spectra().map(|spectrum| spectrum.realizations()).max(),
             variance_of_density: Some(white(point.n_points())),
             // The weights of several strategies are no constant multiples of the integrand.
@@ -135,6 +135,15 @@ impl CurvePredictor<WarpedPattern> for Importance<'_> {
         budget: PredictionBudget,
     ) -> Result<bool, Error> {
         self.predictor.is_affordable_at(pattern, n_points, budget)
+    }
+
+    fn is_repeated_by(
+        &mut self,
+        pattern: &WarpedPattern,
+        point: &WarpedPoint,
+        budget: PredictionBudget,
+    ) -> Result<bool, Error> {
+        self.predictor.is_repeated_by(pattern, point, budget)
     }
 
     fn is_random_at(&self, pattern: &WarpedPattern, n_points: usize) -> bool {

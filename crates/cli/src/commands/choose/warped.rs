@@ -169,7 +169,8 @@ impl<'a> WarpedIntegral<'a> {
             let strategies = with_shares(&strategies, pattern);
             let functions = self.functions(&strategies, pattern.heuristic, SEARCH)?;
             let budget = PredictionBudget::DEFAULT.rough();
-            let mut predictor = WarpedPredictor::new(&functions, self.seed, budget)?;
+            let mut predictor =
+                WarpedPredictor::new(&functions, self.seed, budget)?.without_spectra();
             let point = predictor.predict(pattern, pattern.nearest_count(n), &())?;
             Ok(point.prediction.variance)
         };
@@ -242,6 +243,7 @@ impl Pulled<'_> {
         patterns.sort_by(|a, b| work(a).total_cmp(&work(b)));
         let predictor =
             WarpedPredictor::new(&self.functions, integral.seed, PredictionBudget::DEFAULT)?
+                .without_spectra()
                 .with_integral(integral.function.exact(integral.domain));
         let is_of_integrand = integral.integrand.is_some_and(|f| self.warp.is_density_of(f));
         let mut predictor = Importance { predictor, strategies: &self.strategies, is_of_integrand };
