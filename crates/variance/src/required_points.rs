@@ -51,7 +51,7 @@ impl RequiredPoints {
 ///
 /// The valid counts nearest to 1, 2, 4, 8, ... are tried until one suffices and the next one does
 /// too. A pattern that is not random needs two more that suffice, since its variance may rise
-/// again. Numbers are tried only while they are affordable, and only if they are not ruled out by
+/// again; the last one is predicted less precisely where that is decisive. Numbers are tried only while they are affordable, and only if they are not ruled out by
 /// energy that is spread over many degrees beyond 4 sqrt(N), where random patterns have at least
 /// half of white noise's power ([`Predictor::broad_variance`](crate::Predictor::broad_variance)). The interval between the last
 /// insufficient number and the next one is refined by interpolation in log N and log Var: to the
@@ -123,9 +123,13 @@ pub fn required_points_within<F: Clone, C: CurvePredictor<F> + ?Sized>(
     }
 }
 
-/// A rough prediction decides only if its variance differs from the requested one by more than this
-/// factor (where it is an estimate) and by more than this number of standard errors.
-const CLEAR: (f64, f64) = (1.5, 4.0);
+/// A rough prediction that is an estimate decides only if its variance differs from the requested one
+/// by more than this factor, and by more than this number of standard errors.
+const FACTOR: f64 = 1.5;
+const ERRORS: f64 = 4.0;
+/// The same number where the spectrum is exact and the energy beyond it the only error, which
+/// [`Prediction::tail_error`] rather overestimates: it is that of the worst window of degrees.
+const TAIL_ERRORS: f64 = 2.0;
 
 /// Returns the budget that decides whether the predictions of a budget are affordable: even the fewest
 /// realizations may take more than the work of a small budget.
@@ -183,7 +187,10 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
                 // The prediction itself returns this error.
                 Err(_) => {}
             }
-            match self.suffices(n) {
+            // The rate near the answer does not need the last number.
+            let last = climb.enough.is_some_and(|enough| n >= enough.saturating_mul(4));
+            let first = if last { self.budget.rough().rough() } else { self.budget.rough() };
+            match self.suffices_by(n, first) {
                 Ok(true) => {
                     climb.enough.get_or_insert(n);
                 }
@@ -283,9 +290,19 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
 
     /// Returns whether a number suffices, from a rough prediction if that is decisive.
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
+        self.suffices_by(n_points, self.budget.rough())
+    }
+
+    /// Returns whether a number suffices, from a prediction within the budget `first` if that is
+    /// decisive, or else from a rough one.
+    fn suffices_by(&mut self, n_points: usize, first: PredictionBudget) -> Result<bool, Error> {
+        let rough = self.budget.rough();
         if self.curve.at(n_points).is_none() {
-            self.predict_within(self.budget.rough(), n_points)?;
+            self.predict_within(first, n_points)?;
             self.rough.insert(n_points);
+            if first != rough && !self.is_clear(n_points) {
+                self.predict_within(rough, n_points)?;
+            }
         }
         if !self.is_clear(n_points) {
             self.predict_precisely(n_points)?;
@@ -294,12 +311,12 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
     }
 
     fn is_clear(&self, n_points: usize) -> bool {
-        let (factor, errors) = CLEAR;
         self.curve.at(n_points).is_some_and(|point| {
             let Prediction { variance, stderr, .. } = *point.prediction();
             let ratio = variance / self.variance;
             // A standard error estimated from few realizations may be too small.
-            let is_far = stderr == 0.0 || !(1.0 / factor..=factor).contains(&ratio);
+            let is_far = stderr == 0.0 || !(1.0 / FACTOR..=FACTOR).contains(&ratio);
+            let errors = if stderr == 0.0 { TAIL_ERRORS } else { ERRORS };
             let distance = (variance - self.variance).abs();
             is_far && distance > errors * point.prediction().total_stderr()
         })
