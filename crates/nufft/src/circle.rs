@@ -163,6 +163,16 @@ impl CircleTransform {
         workspace: &mut CircleWorkspace,
         out: &mut [Complex<R>],
     ) -> Result<(), Error> {
+        R::circle_adjoint(self, points, weights, workspace, out)
+    }
+
+    pub(crate) fn adjoint_body<R: Real>(
+        &self,
+        points: &[R],
+        weights: Option<&[R]>,
+        workspace: &mut CircleWorkspace,
+        out: &mut [Complex<R>],
+    ) -> Result<(), Error> {
         input::check_circle(points, weights)?;
         if out.len() != self.kmax + 1 {
             return Err(Error::ValueCount { expected: self.kmax + 1, got: out.len() });

@@ -110,7 +110,7 @@ impl<T: Real> Engine<T> {
     ) -> Result<(), Error> {
         let sizes = self.synthesise(series, points, scratch)?;
         let Scratch { cells, grids, .. } = scratch;
-        self.spreading.interpolate(self.arch, cells, grids, &sizes, Threads::Caller, out);
+        self.spreading.interpolate_body(self.arch, cells, grids, &sizes, Threads::Caller, out);
         Ok(())
     }
 

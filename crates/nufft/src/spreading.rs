@@ -73,7 +73,7 @@ impl<T: Real> Spreading<T> {
 
     /// Replaces the grid by the points spread on it.
     pub fn spread(&self, arch: Arch, cells: &Cells<T>, threads: Threads, grid: &mut [T]) {
-        self.spread_together(arch, cells, None, threads, [grid]);
+        T::spread(self, arch, cells, threads, grid);
     }
 
     /// Replaces G grids by the points with different weights, which share the values of the
@@ -127,7 +127,19 @@ impl<T: Real> Spreading<T> {
     /// # Panics
     ///
     /// Panics if `out` is too short.
-    pub fn interpolate<R: Real>(
+    pub fn interpolate(
+        &self,
+        arch: Arch,
+        cells: &Cells<T>,
+        grids: &[T],
+        sizes: &[f64],
+        threads: Threads,
+        out: &mut [f64],
+    ) {
+        T::interpolate(self, arch, cells, grids, sizes, threads, out);
+    }
+
+    pub(crate) fn interpolate_body<R: Real>(
         &self,
         arch: Arch,
         cells: &Cells<T>,

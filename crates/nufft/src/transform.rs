@@ -200,6 +200,16 @@ impl TorusTransform {
         workspace: &mut TorusWorkspace,
         out: &mut TorusCoefficients<R>,
     ) -> Result<(), Error> {
+        R::torus_adjoint(self, points, weights, workspace, out)
+    }
+
+    pub(crate) fn adjoint_body<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: Option<&[R]>,
+        workspace: &mut TorusWorkspace,
+        out: &mut TorusCoefficients<R>,
+    ) -> Result<(), Error> {
         input::check(points, weights)?;
         self.check_kmax(out.kmax())?;
         let values = out.values_mut();
@@ -218,6 +228,16 @@ impl TorusTransform {
     ///
     /// Pairs of vectors share the sorted points and their window values, and use two grids.
     pub fn adjoint_batch_into<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: &[&[R]],
+        workspace: &mut TorusWorkspace,
+        outs: &mut [TorusCoefficients<R>],
+    ) -> Result<(), Error> {
+        R::torus_adjoint_batch(self, points, weights, workspace, outs)
+    }
+
+    pub(crate) fn adjoint_batch_body<R: Real>(
         &self,
         points: &[[R; 2]],
         weights: &[&[R]],
@@ -272,6 +292,16 @@ impl TorusTransform {
     ///
     /// As for [`Self::adjoint_complex`], and [`Error::KmaxMismatch`] if `out` has a different kmax.
     pub fn adjoint_complex_into<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: &[Complex<R>],
+        workspace: &mut TorusWorkspace,
+        out: &mut ComplexTorusCoefficients<R>,
+    ) -> Result<(), Error> {
+        R::torus_adjoint_complex(self, points, weights, workspace, out)
+    }
+
+    pub(crate) fn adjoint_complex_body<R: Real>(
         &self,
         points: &[[R; 2]],
         weights: &[Complex<R>],
@@ -350,6 +380,16 @@ impl TorusTransform {
         workspace: &mut TorusWorkspace,
         values: &mut [R],
     ) -> Result<(), Error> {
+        R::torus_evaluate_batch(self, coefficients, points, workspace, values)
+    }
+
+    pub(crate) fn evaluate_batch_body<R: Real>(
+        &self,
+        coefficients: &[&TorusCoefficients<R>],
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [R],
+    ) -> Result<(), Error> {
         for coefficients in coefficients {
             self.check_series(coefficients, 1.0)?;
         }
@@ -399,6 +439,16 @@ impl TorusTransform {
         workspace: &mut TorusWorkspace,
         values: &mut [[R; 3]],
     ) -> Result<(), Error> {
+        R::torus_gradient(self, coefficients, points, workspace, values)
+    }
+
+    pub(crate) fn gradient_body<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [[R; 3]],
+    ) -> Result<(), Error> {
         self.check_series(coefficients, TAU * (self.kmax as f64 + 1.0))?;
         input::check::<R>(points, None)?;
         input::check_values(points.len(), values.len())?;
@@ -434,6 +484,16 @@ impl TorusTransform {
     /// As for [`Self::evaluate_complex`], and [`Error::ValueCount`] if values and points differ in
     /// number.
     pub fn evaluate_complex_into<R: Real>(
+        &self,
+        coefficients: &ComplexTorusCoefficients<R>,
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [Complex<R>],
+    ) -> Result<(), Error> {
+        R::torus_evaluate_complex(self, coefficients, points, workspace, values)
+    }
+
+    pub(crate) fn evaluate_complex_body<R: Real>(
         &self,
         coefficients: &ComplexTorusCoefficients<R>,
         points: &[[R; 2]],

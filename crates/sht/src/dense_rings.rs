@@ -220,6 +220,17 @@ impl DenseRingTransform {
         terms.resize(self.torus.n_ring_rows() * ORDERS, Complex::ZERO);
         self.arch.dispatch(AddRings { transform: self, first, source, grid });
         grid.write(&mut rows[..self.torus.n_rows()]);
+        self.analyse(rows, terms, scratch);
+    }
+
+    /// Computes terms from the rows of a grid. Not generic, so that it is compiled once and not in
+    /// every crate that has rings.
+    fn analyse(
+        &self,
+        rows: &[[Complex<f64>; ORDERS]],
+        terms: &mut [Complex<f64>],
+        scratch: &mut TorusScratch<f64>,
+    ) {
         let layout = Layout { stride: 0, margin: 0 };
         self.torus.run(self.arch, layout, Stage::AnalyseBlock { spectra: rows, terms }, scratch);
     }
