@@ -1,4 +1,8 @@
+mod bound_buckets;
 mod candidate_cells;
+mod cell_family;
+mod cell_place;
+mod near_sites;
 
 use glam::DVec3;
 use rand::Rng;

@@ -1,16 +1,11 @@
 use glam::DVec3;
 use rand::{Rng, RngExt};
-use sphvar_healpix::{Cell, Nside};
 
+use super::bound_buckets::{BUCKET_BITS, BoundBuckets, bucket_of, largest_bound};
+use super::cell_family::{CellFamily, Corners, FamilyCell, NONE};
+use super::cell_place::{LAST_LEVEL, area};
+use super::near_sites::NearSites;
 use crate::Domain;
-use crate::search::CubeGrid;
-
-/// The level of the smallest cells: the finest resolution that has an [`Nside`].
-const LAST_LEVEL: u8 = 29;
-
-/// The number of binary digits of a bound after the first that tell buckets apart: the bounds of a
-/// bucket differ by at most 0.4 %.
-const BUCKET_BITS: u32 = 8;
 
 /// The number of candidates expected in a bucket above which its cells are divided before any is
 /// drawn.
@@ -23,9 +18,6 @@ const FINE: f64 = 1.0 / 40.0;
 /// Cells whose bound is at most this fraction of the last point's clearance are no longer
 /// distinguished from their siblings: the number of points has to double before one is visited.
 const MERGED: f64 = 0.75;
-
-/// The index of children that do not exist: a root has no parent.
-const NONE: u32 = 0;
 
 /// Draws the farthest of a number of uniform candidates from a growing set of points without
 /// drawing the others.
@@ -46,18 +38,13 @@ const NONE: u32 = 0;
 #[derive(Debug)]
 pub(super) struct CandidateCells {
     domain: Domain,
-    /// The points, on the hemisphere with their antipodes.
-    sites: Vec<DVec3>,
-    grid: CubeGrid,
-    /// The number of sites at which the grid is replaced.
-    crowded_at: usize,
-    nodes: Vec<Node>,
-    /// First indices of groups of four nodes that are not used.
+    sites: NearSites,
+    /// The cells, in families of four: cell `4 k + i` is the i-th of family k. The roots are the
+    /// first ones.
+    families: Vec<CellFamily>,
+    /// Families that are not used.
     unused: Vec<u32>,
-    /// The leaves by their bounds, the largest bounds first.
-    buckets: Vec<Bucket>,
-    /// No bucket before this one has cells.
-    first_bucket: usize,
+    buckets: BoundBuckets,
     /// The clearance of the last farthest candidate.
     last_clearance: f64,
     /// The cells of the candidates drawn for one point.
@@ -67,63 +54,28 @@ pub(super) struct CandidateCells {
     near: Vec<DVec3>,
 }
 
-/// A cell. The four children of a divided cell are consecutive; the roots are the first nodes.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    cell: Place,
-    centre: DVec3,
-    /// No point of the cell is farther from the centre.
-    radius: f64,
-    /// The distance of the centre from the nearest site.
-    distance: f64,
-    /// No point of the cell is farther from the nearest site.
-    bound: f64,
-    /// The first of the children, or `NONE`.
-    children: u32,
-    /// Where a leaf is among the cells of its level in its bucket.
-    place: u32,
-}
-
-/// A HEALPix cell.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    face: u8,
-    level: u8,
-    ix: u32,
-    iy: u32,
-}
-
-/// The leaves whose bounds have the same leading digits.
-#[derive(Clone, Debug, Default)]
-struct Bucket {
-    /// In units of the smallest cells.
-    area: u64,
-    by_level: Vec<Vec<u32>>,
-}
-
 impl CandidateCells {
     /// Returns the cells of a set of at least one point, whose last one was at a distance of
     /// `last_clearance` from the others.
     pub(super) fn new(domain: Domain, points: &[DVec3], last_clearance: f64) -> Self {
         let mut cells = Self {
             domain,
-            sites: Vec::new(),
-            grid: CubeGrid::for_points(1),
-            crowded_at: 1,
-            nodes: Vec::new(),
+            sites: NearSites::new(domain, 2.0),
+            families: Vec::new(),
             unused: Vec::new(),
-            buckets: Vec::new(),
-            first_bucket: 0,
+            buckets: BoundBuckets::default(),
             last_clearance,
             visited: Vec::new(),
             near: Vec::new(),
         };
-        points.iter().for_each(|&p| cells.add_site(p));
-        for face in 0..cells.n_roots() {
-            let cell = Place { face, level: 0, ix: 0, iy: 0 };
-            let root = Node::new(cell, f64::INFINITY, &cells.sites);
-            cells.nodes.push(root);
-            cells.enter(u32::from(face));
+        points.iter().for_each(|&p| cells.sites.add(p));
+        cells.sites.adapt(last_clearance);
+        let n_roots = cells.n_roots();
+        for face in (0..n_roots).step_by(4) {
+            cells.families.push(CellFamily::of_roots(face, n_roots, cells.sites.points()));
+        }
+        for root in 0..u32::from(n_roots) {
+            cells.enter(root);
         }
         cells
     }
@@ -139,33 +91,20 @@ impl CandidateCells {
 
     /// Returns the area of the domain in units of the smallest cells.
     fn area(&self) -> u64 {
-        u64::from(self.n_roots()) << (2 * LAST_LEVEL)
+        u64::from(self.n_roots()) * area(0)
+    }
+
+    fn cell(&self, cell: u32) -> FamilyCell {
+        self.families[cell as usize / 4].cell(cell as usize % 4)
     }
 
     /// Adds a point to the set.
     pub(super) fn insert(&mut self, point: DVec3) {
-        let before = self.sites.len();
-        self.add_site(point);
-        for site in before..self.sites.len() {
-            for root in 0..self.n_roots() {
-                self.approach(u32::from(root), self.sites[site]);
-            }
-        }
-    }
-
-    fn add_site(&mut self, point: DVec3) {
-        self.sites.push(point);
-        if self.domain == Domain::Hemisphere {
-            self.sites.push(-point);
-        }
-        if self.sites.len() >= self.crowded_at {
-            self.crowded_at = 2 * self.sites.len();
-            self.grid = CubeGrid::for_points(self.crowded_at);
-            self.sites.iter().for_each(|&p| self.grid.insert(p));
-        } else {
-            self.grid.insert(point);
-            if self.domain == Domain::Hemisphere {
-                self.grid.insert(-point);
+        let before = self.sites.points().len();
+        self.sites.add(point);
+        for site in before..self.sites.points().len() {
+            for family in 0..u32::from(self.n_roots().div_ceil(4)) {
+                self.approach(family, self.sites.points()[site]);
             }
         }
     }
@@ -178,12 +117,9 @@ impl CandidateCells {
         // Below every squared distance, so that the first candidate is accepted.
         let mut clearance = -1.0;
         self.visited.clear();
-        while self.buckets[self.first_bucket].area == 0 {
-            self.first_bucket += 1;
-        }
         // In the order of visits the candidates are at ascending parts of the area: u is that of
         // the next candidate, `before` the area of the buckets that are complete.
-        let (mut bucket, mut before, mut u) = (self.first_bucket, 0, 0.0);
+        let (mut bucket, mut before, mut u) = (self.buckets.first(), 0, 0.0);
         let mut is_entered = false;
         let mut left = n_candidates;
         'candidates: while left > 0 {
@@ -199,7 +135,7 @@ impl CandidateCells {
                     self.refine(bucket, left as f64 / (total - before as f64));
                     is_entered = true;
                 }
-                let after = before + self.buckets[bucket].area;
+                let after = before + self.buckets.area(bucket);
                 // Rounding does not take u beyond the last cell.
                 if u * total < after as f64 || after == self.area() {
                     break;
@@ -208,18 +144,18 @@ impl CandidateCells {
                 bucket += 1;
                 is_entered = false;
             }
-            if self.buckets[bucket].area == 0 {
+            let Some(cell) = self.buckets.random_leaf(bucket, rng) else {
                 break;
-            }
-            let cell = self.buckets[bucket].random_cell(rng);
-            let candidate = self.nodes[cell as usize].random_point(rng);
+            };
+            let candidate = self.cell(cell).place.point(rng.random(), rng.random());
             self.visited.push(cell);
-            if let Some(farther) = self.grid.clearance(&self.sites, candidate, clearance) {
+            if let Some(farther) = self.sites.clearance(candidate, clearance) {
                 (best, best_cell, clearance) = (candidate, Some(cell), farther);
             }
             left -= 1;
         }
         self.last_clearance = clearance.sqrt();
+        self.sites.adapt(self.last_clearance);
         while let Some(cell) = self.visited.pop() {
             // The bounds in the cell of the farthest candidate change with the new point.
             if best_cell != Some(cell) {
@@ -232,52 +168,57 @@ impl CandidateCells {
     /// Divides the cells of a bucket, the largest first, until no more than `MAX_EXPECTED`
     /// candidates are expected in it or its cells are as small as its bounds are accurate.
     fn refine(&mut self, bucket: usize, density: f64) {
-        let mut level = 0;
-        while level < self.buckets[bucket].by_level.len() {
-            if self.buckets[bucket].area as f64 * density <= MAX_EXPECTED {
+        for level in 0..=LAST_LEVEL {
+            if self.buckets.area(bucket) as f64 * density <= MAX_EXPECTED {
                 return;
             }
             // Children may stay in the bucket, at the next level.
-            while let Some(&cell) = self.buckets[bucket].by_level[level].last()
+            while let Some(cell) = self.buckets.last_of_level(bucket, level)
                 && self.divide(cell)
             {}
-            level += 1;
         }
     }
 
     /// Divides a leaf into four, and those of its parts that may contain the farthest candidate
     /// again; returns whether it has been divided. Cells that are much smaller than their bounds
     /// are not.
-    fn divide(&mut self, cell: u32) -> bool {
-        let node = self.nodes[cell as usize];
-        let is_fine = node.radius * f64::from(2 << BUCKET_BITS) < node.bound;
-        if node.children != NONE || node.cell.level == LAST_LEVEL || is_fine {
+    fn divide(&mut self, number: u32) -> bool {
+        let cell = self.cell(number);
+        let is_fine = cell.radius * f64::from(2 << BUCKET_BITS) < cell.bound;
+        if cell.children != NONE || cell.place.level == LAST_LEVEL || is_fine {
             return false;
         }
-        self.leave(cell);
+        self.leave(number);
         self.near.clear();
-        self.grid.gather(&self.sites, node.centre, node.reach(), &mut self.near);
-        self.divide_among(cell, 0);
+        self.sites.gather(cell.centre, cell.reach(), &mut self.near);
+        self.divide_among(number, cell.place.corners(), 0);
         true
     }
 
-    /// Divides a leaf that is in no bucket and whose near sites begin at an index of `near`.
-    fn divide_among(&mut self, cell: u32, start: usize) {
-        let node = self.nodes[cell as usize];
-        let children = self.unused.pop().unwrap_or_else(|| {
-            let end = self.nodes.len();
-            self.nodes.extend([node; 4]);
-            u32::try_from(end).unwrap_or(u32::MAX)
-        });
-        self.nodes[cell as usize].children = children;
+    /// Divides a leaf with these corners that is in no bucket and whose near sites begin at an
+    /// index of `near`.
+    fn divide_among(&mut self, number: u32, corners: [DVec3; 4], start: usize) {
+        let cell = self.cell(number);
+        let corners = Corners::new(cell.place, corners, cell.centre);
+        let family = CellFamily::of_children(cell.place, &corners, cell.bound, &self.near[start..]);
+        let children = match self.unused.pop() {
+            Some(unused) => {
+                self.families[unused as usize] = family;
+                unused
+            }
+            None => {
+                self.families.push(family);
+                u32::try_from(self.families.len() - 1).unwrap_or(u32::MAX)
+            }
+        };
+        self.families[number as usize / 4].set_children(number as usize % 4, children);
         let end = self.near.len();
-        for child in 0..4 {
-            let leaf = Node::new(node.cell.child(child), node.bound, &self.near[start..]);
-            let index = children + child;
-            self.nodes[index as usize] = leaf;
-            let is_fine = leaf.radius < FINE * leaf.bound || leaf.cell.level == LAST_LEVEL;
+        for index in 0..4 {
+            let number = 4 * children + index;
+            let leaf = self.cell(number);
+            let is_fine = leaf.radius < FINE * leaf.bound || leaf.place.level == LAST_LEVEL;
             if is_fine || leaf.bound <= self.last_clearance {
-                self.enter(index);
+                self.enter(number);
                 continue;
             }
             let reach_squared = leaf.reach().powi(2);
@@ -287,194 +228,66 @@ impl CandidateCells {
                     self.near.push(site);
                 }
             }
-            self.divide_among(index, end);
+            self.divide_among(number, corners.of_child(index as usize), end);
             self.near.truncate(end);
         }
     }
 
-    /// Lowers the bounds of a cell and of those below it that have `site` nearer than all others.
-    fn approach(&mut self, cell: u32, site: DVec3) {
-        let node = self.nodes[cell as usize];
-        let distance = site.distance(node.centre);
-        let radius = node.radius;
-        // At a centre below this one, at most a radius away, the other sites are nearer.
-        if distance - radius >= node.distance + radius {
-            return;
-        }
-        let nearest = distance.min(node.distance);
-        let bound = node.bound.min(nearest + radius);
-        if node.children == NONE {
-            if bucket_of(bound) != bucket_of(node.bound) {
-                self.leave(cell);
-                self.nodes[cell as usize].bound = bound;
-                self.enter(cell);
+    /// Lowers the bounds of the cells of a family and of those below them that have `site` nearer
+    /// than all others.
+    fn approach(&mut self, number: u32, site: DVec3) {
+        let family = &self.families[number as usize];
+        let level = family.level();
+        let distances = family.approach(site);
+        for (cell, (index, distance)) in (4 * number..).zip(distances.into_iter().enumerate()) {
+            if distance == f64::INFINITY {
+                continue;
             }
-            let node = &mut self.nodes[cell as usize];
-            (node.distance, node.bound) = (nearest, bound);
-            return;
-        }
-        for child in node.children..node.children + 4 {
-            self.approach(child, site);
-        }
-        let node = &mut self.nodes[cell as usize];
-        (node.distance, node.bound) = (nearest, bound);
-        if bound <= MERGED * self.last_clearance {
-            self.merge(cell);
+            let family = &self.families[number as usize];
+            let bounds = family.with_site(index, distance);
+            let (before, after) = (family.bound(index), bounds.1);
+            let children = family.children(index);
+            if children == NONE {
+                if bucket_of(after) != bucket_of(before) {
+                    self.buckets.leave(cell, level, before);
+                    self.buckets.enter(cell, level, after);
+                }
+                self.families[number as usize].set_bounds(index, bounds);
+                continue;
+            }
+            self.approach(children, site);
+            self.families[number as usize].set_bounds(index, bounds);
+            if after <= MERGED * self.last_clearance {
+                self.merge(cell);
+            }
         }
     }
 
     /// Makes a cell a leaf if its children are leaves.
     fn merge(&mut self, cell: u32) {
-        let children = self.nodes[cell as usize].children;
-        let family = children as usize..children as usize + 4;
-        if self.nodes[family].iter().any(|child| child.children != NONE) {
+        let children = self.cell(cell).children;
+        if !self.families[children as usize].has_leaves_only() {
             return;
         }
-        for child in children..children + 4 {
-            self.leave(child);
+        for child in 0..4 {
+            self.leave(4 * children + child);
         }
         self.unused.push(children);
-        self.nodes[cell as usize].children = NONE;
+        self.families[cell as usize / 4].set_children(cell as usize % 4, NONE);
         self.enter(cell);
     }
 
     /// Adds a leaf to its bucket.
     fn enter(&mut self, cell: u32) {
-        let node = &mut self.nodes[cell as usize];
-        let (number, level) = (bucket_of(node.bound), usize::from(node.cell.level));
-        if number >= self.buckets.len() {
-            self.buckets.resize_with(number + 1, Bucket::default);
-        }
-        self.first_bucket = self.first_bucket.min(number);
-        let bucket = &mut self.buckets[number];
-        if level >= bucket.by_level.len() {
-            bucket.by_level.resize_with(level + 1, Vec::new);
-        }
-        let cells = &mut bucket.by_level[level];
-        // Cells have 32-bit numbers.
-        node.place = u32::try_from(cells.len()).unwrap_or(u32::MAX);
-        cells.push(cell);
-        bucket.area += area(level);
+        let family = &self.families[cell as usize / 4];
+        self.buckets.enter(cell, family.level(), family.bound(cell as usize % 4));
     }
 
     /// Removes a leaf from its bucket.
     fn leave(&mut self, cell: u32) {
-        let Node { bound, cell, place, .. } = self.nodes[cell as usize];
-        let level = usize::from(cell.level);
-        let bucket = &mut self.buckets[bucket_of(bound)];
-        bucket.area -= area(level);
-        let cells = &mut bucket.by_level[level];
-        cells.swap_remove(place as usize);
-        if let Some(&moved) = cells.get(place as usize) {
-            self.nodes[moved as usize].place = place;
-        }
+        let family = &self.families[cell as usize / 4];
+        self.buckets.leave(cell, family.level(), family.bound(cell as usize % 4));
     }
-}
-
-impl Bucket {
-    /// Returns a random cell, with probability proportional to its area, which is not 0 in all.
-    fn random_cell(&self, rng: &mut dyn Rng) -> u32 {
-        let mut at = rng.random_range(0..self.area);
-        for (level, cells) in self.by_level.iter().enumerate() {
-            let index = at / area(level);
-            match usize::try_from(index).ok().and_then(|index| cells.get(index)) {
-                Some(&cell) => return cell,
-                None => at -= cells.len() as u64 * area(level),
-            }
-        }
-        NONE
-    }
-}
-
-impl Node {
-    /// Returns a cell with a bound of at most `bound`, that of its parent. `sites` contain the
-    /// nearest ones of all points of the cell.
-    fn new(cell: Place, bound: f64, sites: &[DVec3]) -> Self {
-        let centre = cell.point(0.5, 0.5);
-        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
-        let corners = corners.map(|(u, v)| cell.point(u, v));
-        // A ball that contains the corners contains the chords between them.
-        let sagitta = cell.sagitta();
-        let farthest = |p: DVec3| {
-            let [a, b, c, d] = corners;
-            let [a, b, c, d] = [a, b, c, d].map(|corner: DVec3| corner.distance_squared(p));
-            a.max(b).max(c.max(d))
-        };
-        let (mut distance, mut far) = (f64::INFINITY, f64::INFINITY);
-        for &site in sites {
-            distance = distance.min(site.distance_squared(centre));
-            far = far.min(farthest(site));
-        }
-        let radius = farthest(centre).sqrt() + sagitta;
-        let distance = distance.sqrt();
-        let bound = bound.min(far.sqrt() + sagitta).min(distance + radius);
-        Self { cell, centre, radius, distance, bound, children: NONE, place: 0 }
-    }
-
-    /// Returns the distance from the centre within which the nearest sites of all points of the
-    /// cell lie: they are at most `distance + radius` away from points that are at most `radius`
-    /// away from the centre.
-    fn reach(&self) -> f64 {
-        (self.distance + 2.0 * self.radius) * (1.0 + 4.0 * f64::EPSILON)
-    }
-
-    fn random_point(&self, rng: &mut dyn Rng) -> DVec3 {
-        self.cell.point(rng.random(), rng.random())
-    }
-}
-
-impl Place {
-    /// Returns a point of the cell by its coordinates in the cell.
-    fn point(self, u: f64, v: f64) -> DVec3 {
-        let Self { face, level, ix, iy } = self;
-        let cell = Nside::new(1 << level).and_then(|nside| Cell::new(nside, face, ix, iy));
-        cell.map_or(DVec3::Z, |cell| cell.uniform_point(u, v))
-    }
-
-    fn child(self, child: u32) -> Self {
-        let (ix, iy) = (2 * self.ix + child % 2, 2 * self.iy + child / 2);
-        Self { face: self.face, level: self.level + 1, ix, iy }
-    }
-
-    /// Returns a distance that points of the edges do not exceed from the chords between corners.
-    ///
-    /// An edge leaves its chord by at most `max |X''|/(8 nside^2)`, where `X''` is the second
-    /// derivative with respect to a coordinate of the face: below 2 in the belt, below `1.3 +
-    /// 2.02/d` in the caps at a distance of d sides of a face from the pole, and below 1 on the
-    /// meridians through the pole.
-    fn sagitta(self) -> f64 {
-        let side = 1 << self.level;
-        let from_pole = match self.face / 4 {
-            0 => 2 * (side - 1) - self.ix - self.iy,
-            1 => side,
-            _ => self.ix + self.iy,
-        };
-        let side = f64::from(side);
-        let second = 2.0 + 2.02 * side / f64::from(from_pole.max(1));
-        // Points are rounded by a few units in the last place.
-        second / (8.0 * side * side) + 16.0 * f64::EPSILON
-    }
-}
-
-/// Returns the area of a cell in units of the smallest ones.
-fn area(level: usize) -> u64 {
-    1 << (2 * (usize::from(LAST_LEVEL) - level))
-}
-
-/// More than every bound.
-const TOP: f64 = 4.0;
-
-/// The number of digits of a bound that buckets do not distinguish.
-const SHIFT: u32 = f64::MANTISSA_DIGITS - 1 - BUCKET_BITS;
-
-fn bucket_of(bound: f64) -> usize {
-    // Fewer than 2^(BUCKET_BITS + 6), since bounds are not below the radius of the smallest cells.
-    usize::try_from((TOP.to_bits() - bound.to_bits()) >> SHIFT).unwrap_or(usize::MAX)
-}
-
-/// Returns the largest bound of a bucket.
-fn largest_bound(bucket: usize) -> f64 {
-    f64::from_bits(TOP.to_bits() - ((bucket as u64) << SHIFT))
 }
 
 #[cfg(test)]
@@ -515,30 +328,6 @@ mod tests {
         cells
     }
 
-    #[test]
-    fn cells_lie_within_their_radius() {
-        for level in 0..=6_u8 {
-            let side = 1 << level;
-            for (face, ix, iy) in
-                (0..12).flat_map(|f| (0..side * side).map(move |i| (f, i % side, i / side)))
-            {
-                let cell = Place { face, level, ix, iy };
-                let at = |u, v| cell.point(u, v);
-                let Node { centre, radius, .. } = Node::new(cell, 9.0, &[DVec3::Z]);
-                let mut farthest: f64 = 0.0;
-                for t in (0..=8).map(|t| f64::from(t) / 8.0) {
-                    for p in [at(t, 0.0), at(t, 1.0), at(0.0, t), at(1.0, t)] {
-                        farthest = farthest.max(p.distance(centre));
-                    }
-                }
-                assert!(farthest < radius, "{level} {face} {ix} {iy}: {farthest}, {radius}");
-                // Small cells away from the poles have straight edges.
-                let is_flat = level == 6 && face / 4 == 1;
-                assert!(!is_flat || farthest > 0.98 * radius, "{ix} {iy}: {farthest}, {radius}");
-            }
-        }
-    }
-
     /// After points and draws in any order, the leaves cover the domain once, each in its bucket,
     /// and no point of a leaf is farther from the set than its bound.
     #[test]
@@ -556,22 +345,21 @@ mod tests {
                     }
                 }
                 let mut total = 0;
-                for (number, bucket) in cells.buckets.iter().enumerate() {
+                for bucket in 0..cells.buckets.n_buckets() {
                     let mut in_bucket = 0;
-                    for (level, leaves) in bucket.by_level.iter().enumerate() {
-                        for (place, &leaf) in leaves.iter().enumerate() {
-                            let node = cells.nodes[leaf as usize];
-                            assert_eq!(
-                                (usize::from(node.cell.level), node.place as usize),
-                                (level, place)
-                            );
-                            assert!(node.children == NONE && node.bound <= largest_bound(number));
+                    for level in 0..=LAST_LEVEL {
+                        for &leaf in cells.buckets.leaves(bucket, level) {
+                            let cell = cells.cell(leaf);
+                            assert_eq!(cell.place.level, level);
+                            assert!(cell.children == NONE && bucket_of(cell.bound) == bucket);
+                            assert!(cell.bound <= largest_bound(bucket));
                             in_bucket += area(level);
-                            let far = clearance(&points, domain, node.random_point(&mut rng));
-                            assert!(far <= node.bound, "{domain}: {far} in {node:?}");
+                            let p = cell.place.point(rng.random(), rng.random());
+                            let far = clearance(&points, domain, p);
+                            assert!(far <= cell.bound, "{domain}: {far} in {cell:?}");
                         }
                     }
-                    assert_eq!(bucket.area, in_bucket, "{domain}");
+                    assert_eq!(cells.buckets.area(bucket), in_bucket, "{domain}");
                     total += in_bucket;
                 }
                 assert_eq!(total, cells.area(), "{domain}");
