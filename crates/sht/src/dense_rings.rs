@@ -185,11 +185,8 @@ impl DenseRingTransform {
         let mut alm = Alm::zeros(lmax)?;
         let mut workers: Vec<Worker> = Vec::new();
         Threads::Pool.resize(&mut workers);
-        if let Some((first, others)) = workers.split_first_mut() {
-            first.rings.load(&self.rings, self.torus.colatitudes());
-            for worker in others {
-                worker.rings.load_from(&first.rings);
-            }
+        for worker in &mut workers {
+            worker.rings.load_torus(&self.rings, &self.torus);
         }
         // Coefficients of an order are contiguous and follow those of the order before.
         let mut rest = alm.values_mut();

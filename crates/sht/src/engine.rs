@@ -82,13 +82,8 @@ impl<T: Real> Engine<T> {
     /// Prepares workers for the orders of up to `FUNCTIONS` functions.
     fn load(&self, rings: &RingTransform, n_functions: usize, workers: &mut [Worker<T>]) {
         let n_values = self.torus.n_ring_rows() * n_functions;
-        if let Some((first, others)) = workers.split_first_mut() {
-            first.rings.load(rings, self.torus.colatitudes());
-            for worker in others {
-                worker.rings.load_from(&first.rings);
-            }
-        }
         for worker in workers {
+            worker.rings.load_torus(rings, &self.torus);
             worker.ring_values.resize(n_values * ORDERS, Complex::default());
             worker.order_values.resize(n_values, Complex::default());
         }

@@ -1,8 +1,10 @@
 use num_complex::Complex;
 use pulp::Arch;
+use sphvar_nufft::parts::Real;
 use sphvar_sh::{Alm, Colatitude, Error, LmIndex};
 
 use crate::legendre::{Adjoint, Arithmetic, Columns, FUNCTIONS, Lanes, Order, Synthesis};
+use crate::torus::Torus;
 
 /// Legendre stage of a transform, between coefficients and Fourier coefficients `f_m` on rings r of
 /// constant colatitude.
@@ -33,10 +35,20 @@ pub struct RingWorkspace {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RingWorker {
     lanes: Lanes,
+    /// The rings of the lanes, if they are those of a torus.
+    torus: Option<TorusRings>,
     /// The number of orders that the lanes have passed.
     orders: usize,
     order: Order,
     columns: Columns,
+}
+
+/// The equidistant rings of the transform on the torus, and what else the lanes depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TorusRings {
+    n_rings: usize,
+    lmax: usize,
+    arithmetic: Arithmetic,
 }
 
 impl RingWorker {
@@ -47,13 +59,21 @@ impl RingWorker {
         colatitudes: impl Iterator<Item = Colatitude>,
     ) {
         self.lanes.load(colatitudes, transform.lmax(), transform.arithmetic);
+        self.torus = None;
         self.orders = 0;
     }
 
-    /// Loads the rings that another worker has loaded and not yet used.
-    pub(crate) fn load_from(&mut self, other: &Self) {
-        self.lanes.clone_from(&other.lanes);
-        self.orders = other.orders;
+    /// Loads the rings of a torus for a transform, which takes no time if the worker has the same
+    /// rings already.
+    pub(crate) fn load_torus<T: Real>(&mut self, transform: &RingTransform, torus: &Torus<T>) {
+        let (n_rings, lmax) = (torus.n_ring_rows(), transform.lmax());
+        let rings = TorusRings { n_rings, lmax, arithmetic: transform.arithmetic };
+        if self.torus != Some(rings) {
+            self.load(transform, torus.colatitudes());
+            self.torus = Some(rings);
+        }
+        // Order 0 initializes the lanes.
+        self.orders = 0;
     }
 
     /// Advances to order `m`, which must not be below earlier ones.

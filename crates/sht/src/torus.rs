@@ -370,22 +370,17 @@ impl<T: Real> Torus<T> {
         let (n, pole) = (self.n_theta, self.n_theta / 2);
         // Rows between the poles.
         let (start, end) = (first.max(1), pole.min(first + ROWS));
-        for (p, column) in columns.chunks_exact_mut(n).enumerate() {
-            let mut ahead = [Complex::default(); ROWS];
-            let mut mirrored = [Complex::default(); ROWS];
-            for (i, row) in group.iter().enumerate() {
-                let (even, odd) = (row[2 * p], row[2 * p + 1]);
-                ahead[i] = even + odd;
-                mirrored[ROWS - 1 - i] = even - odd;
+        for (row, values) in (first..end).zip(group).skip(start - first) {
+            for (p, column) in columns.chunks_exact_mut(n).enumerate() {
+                let (even, odd) = (values[2 * p], values[2 * p + 1]);
+                column[row] = even + odd;
+                column[n - row] = even - odd;
             }
-            if start < end {
-                column[start..end].copy_from_slice(&ahead[start - first..end - first]);
-                column[n + 1 - end..n + 1 - start]
-                    .copy_from_slice(&mirrored[first + ROWS - end..first + ROWS - start]);
-            }
-            for row in [0, pole] {
-                if let Some(values) = row.checked_sub(first).and_then(|i| group.get(i)) {
-                    // An odd column vanishes at the poles; an even one is its own reflection.
+        }
+        for row in [0, pole] {
+            if let Some(values) = row.checked_sub(first).and_then(|i| group.get(i)) {
+                // An odd column vanishes at the poles; an even one is its own reflection.
+                for (p, column) in columns.chunks_exact_mut(n).enumerate() {
                     column[row] = values[2 * p] + values[2 * p];
                 }
             }

@@ -74,6 +74,8 @@ pub(super) struct Buffers<T> {
 pub(super) struct Sums {
     /// Sums over lanes, indexed by form: `PARTS` numbers for each degree and function.
     by_degree: [Vec<f64>; 4],
+    /// Those of all forms together.
+    total: Vec<f64>,
     /// Sums over degrees, arranged like `by_lane`.
     by_lane: Vec<f64>,
     long: LongSums,
@@ -190,11 +192,8 @@ impl WithSimd for Adjoint<'_, '_> {
         if arithmetic.uses(Form::Single) {
             self.sum_lanes::<S, f32, false>(simd, Form::Single);
         }
-        let n_functions = self.outs.len();
-        for (function, out) in self.outs.iter_mut().enumerate() {
-            let sums = &self.scratch.sums.by_degree;
-            self.order.collect(arithmetic, sums, n_functions, function, out);
-        }
+        let Sums { by_degree, total, .. } = &mut self.scratch.sums;
+        self.order.collect(arithmetic, by_degree, total, self.outs);
     }
 }
 

@@ -23,7 +23,7 @@ const SINGLE_ERROR: f64 = 2.7e-8;
 const MIN_SINGLE: f64 = 3e-7;
 
 /// Accuracy of the values, and the arithmetic that it permits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Arithmetic {
     /// Values below are negligible.
     smallest: f64,

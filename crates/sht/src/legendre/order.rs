@@ -201,35 +201,43 @@ impl Order {
         norm.truncate(self.len);
     }
 
-    /// Writes the coefficients of one function to `column`, for degrees from m on. `sums` are the
-    /// sums of values in each of `forms`, indexed by form: for each n, `PARTS` for each of
-    /// `n_functions`.
+    /// Writes the coefficients of functions to `columns`, for degrees from m on. `sums` are the
+    /// sums of values in each form, indexed by form: for each n, `PARTS` for each function. `total`
+    /// is workspace.
     #[inline(always)]
     pub(super) fn collect(
         &self,
         arithmetic: Arithmetic,
         sums: &[Vec<f64>; 4],
-        n_functions: usize,
-        function: usize,
-        column: &mut [Complex<f64>],
+        total: &mut Vec<f64>,
+        columns: &mut [&mut [Complex<f64>]],
     ) {
-        let connections = self.connections.iter().flat_map(|row| row.near.iter().zip(&row.far));
-        let mut previous = Complex::ZERO;
-        for (n, (pair, (&near, &far))) in column.chunks_mut(2).zip(connections).enumerate() {
-            let mut sum = [0.0; PARTS];
-            for form in Form::ALL.into_iter().filter(|&form| arithmetic.uses(form)) {
-                let norm = self.sequence(form).norm[n];
-                let part = sums[form as usize].as_chunks::<PARTS>().0[n * n_functions + function];
-                for (sum, part) in sum.iter_mut().zip(part) {
-                    *sum += part * norm;
+        let n_functions = columns.len();
+        total.clear();
+        total.resize(self.len * PARTS * n_functions, 0.0);
+        for form in Form::ALL.into_iter().filter(|&form| arithmetic.uses(form)) {
+            let norms = &self.sequence(form).norm;
+            let terms = sums[form as usize].chunks_exact(PARTS * n_functions);
+            let totals = total.chunks_exact_mut(PARTS * n_functions);
+            for ((total, terms), norm) in totals.zip(terms).zip(norms) {
+                for (total, term) in total.iter_mut().zip(terms) {
+                    *total += term * norm;
                 }
             }
-            let even = Complex::new(sum[0], sum[1]);
-            pair[0] = even * near + previous * far;
-            if let Some(odd) = pair.get_mut(1) {
-                *odd = Complex::new(sum[2], sum[3]);
+        }
+        let total = total.as_chunks::<PARTS>().0;
+        for (function, column) in columns.iter_mut().enumerate() {
+            let connections = self.connections.iter().flat_map(|row| row.near.iter().zip(&row.far));
+            let sums = total[function..].iter().step_by(n_functions);
+            let mut previous = Complex::ZERO;
+            for ((pair, sum), (&near, &far)) in column.chunks_mut(2).zip(sums).zip(connections) {
+                let even = Complex::new(sum[0], sum[1]);
+                pair[0] = even * near + previous * far;
+                if let Some(odd) = pair.get_mut(1) {
+                    *odd = Complex::new(sum[2], sum[3]);
+                }
+                previous = even;
             }
-            previous = even;
         }
     }
 
