@@ -20,7 +20,7 @@ use crate::{Method, RingTransform};
 /// constant theta (Clenshaw-Curtis nodes). A Legendre transform that is exact for degree L yields
 /// the coefficients. Synthesis is the transpose, step by step.
 ///
-/// For `epsilon >= 5e-7` the grids are in f32. From 3e-7 on so are the values and short sums of the
+/// For `epsilon >= 5e-7` the grids are in f32. From 2e-7 on so are the values and short sums of the
 /// Legendre stage except near the equator; its recurrence and long sums are always in f64.
 ///
 /// # Performance

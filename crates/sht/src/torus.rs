@@ -146,7 +146,7 @@ impl<T: Real> Torus<T> {
         scratch.fft.resize(needed.max(scratch.fft.len()), Complex::default());
         scratch.pair.resize(self.n_phi + 1, Complex::default());
         scratch.columns.resize(self.n_theta * ORDERS / 2, Complex::default());
-        scratch.rings.resize(self.n_rings * ORDERS / 2, Complex::default());
+        scratch.rings.resize(self.n_rings, Complex::default());
     }
 
     /// Computes the spectra of a group of rows of a grid that points were spread on, from row
@@ -334,16 +334,16 @@ impl<T: Real> Torus<T> {
         for (row, group) in (0..=pole).step_by(ROWS).zip(groups) {
             self.gather_columns(row, group, columns);
         }
-        self.theta_forward.process_with_scratch(columns, fft);
         // A factor 1/2 since the symmetrized column contains everything twice, and 1/n_rings.
         let scale = T::of(0.5 / self.n_rings as f64);
-        for (ring, column) in rings.chunks_exact_mut(self.n_rings).zip(columns.chunks_exact(n)) {
-            self.transfer(column, ring, scale);
-        }
-        self.rings_inverse.process_with_scratch(rings, fft);
         let rows = self.n_ring_rows();
         let pairs = terms.chunks_exact_mut(2 * rows);
-        for (pair, ring) in pairs.zip(rings.chunks_exact(self.n_rings)) {
+        // One column after the other, which the L1 cache can hold.
+        for (pair, column) in pairs.zip(columns.chunks_exact_mut(n)) {
+            self.theta_forward.process_with_scratch(column, fft);
+            self.transfer(column, rings, scale);
+            self.rings_inverse.process_with_scratch(rings, fft);
+            let ring = &*rings;
             let (even, odd) = pair.split_at_mut(rows);
             let inner = 1..rows - 1;
             let values = ring[inner.clone()].iter().zip(ring[rows..].iter().rev());
@@ -418,11 +418,11 @@ impl<T: Real> Torus<T> {
         self.prepare(scratch);
         let TorusScratch { columns, rings, fft, .. } = scratch;
         let rows = self.n_ring_rows();
-        for (pair, ring) in values.chunks_exact(2 * rows).zip(rings.chunks_exact_mut(self.n_rings))
-        {
+        let (n, scale) = (self.n_theta, T::of(0.5 / self.n_rings as f64));
+        for (pair, column) in values.chunks_exact(2 * rows).zip(columns.chunks_exact_mut(n)) {
             let (even, odd) = pair.split_at(rows);
             let inner = 1..rows - 1;
-            let (ahead, back) = ring.split_at_mut(rows);
+            let (ahead, back) = rings.split_at_mut(rows);
             let values = ahead[inner.clone()].iter_mut().zip(back.iter_mut().rev());
             let terms = even[inner.clone()].iter().zip(&odd[inner]);
             for ((even, odd), (here, mirrored)) in terms.zip(values) {
@@ -431,12 +431,8 @@ impl<T: Real> Torus<T> {
             }
             // A function of odd order vanishes at the poles.
             (ahead[0], ahead[rows - 1]) = (even[0], even[rows - 1]);
-        }
-        self.rings_forward.process_with_scratch(rings, fft);
-        let n = self.n_theta;
-        let scale = T::of(0.5 / self.n_rings as f64);
-        for (ring, column) in rings.chunks_exact(self.n_rings).zip(columns.chunks_exact_mut(n)) {
-            self.transfer(ring, column, scale);
+            self.rings_forward.process_with_scratch(rings, fft);
+            self.transfer(rings, column, scale);
         }
         self.theta_inverse.process_with_scratch(columns, fft);
         let pole = n / 2;

@@ -20,7 +20,7 @@ const SINGLE_ERROR: f64 = 2.7e-8;
 
 /// The least accuracy with values and sums over some hundred lanes in f32. It is below that of grids
 /// in f32; half of the lanes are still in f32 there.
-const MIN_SINGLE: f64 = 3e-7;
+const MIN_SINGLE: f64 = 2e-7;
 
 /// Accuracy of the values, and the arithmetic that it permits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl Arithmetic {
     ///
     /// The functions of even l - m are differences of neighbours in the sequence of the
     /// recurrence, which are larger by up to `1/|cos theta|` and at most the degree. Rounding errors
-    /// of f32 relative to them stay below 0.15 epsilon, or 0.35 epsilon if all lanes can then be in
+    /// of f32 relative to them stay below 0.3 epsilon, or 0.35 epsilon if all lanes can then be in
     /// f32.
     pub(crate) fn new(epsilon: f64, lmax: usize) -> Self {
         // A thousandth of the accuracy is negligible.
@@ -52,7 +52,7 @@ impl Arithmetic {
         let single = match SINGLE_ERROR / epsilon {
             _ if epsilon < MIN_SINGLE => f64::INFINITY,
             error if error * (lmax as f64) < 0.35 => 0.0,
-            error => error / 0.15,
+            error => error / 0.3,
         };
         Self { smallest, middle, single }
     }

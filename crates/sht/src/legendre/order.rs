@@ -213,17 +213,18 @@ impl Order {
         columns: &mut [&mut [Complex<f64>]],
     ) {
         let n_functions = columns.len();
-        total.clear();
         total.resize(self.len * PARTS * n_functions, 0.0);
+        let mut is_first = true;
         for form in Form::ALL.into_iter().filter(|&form| arithmetic.uses(form)) {
             let norms = &self.sequence(form).norm;
             let terms = sums[form as usize].chunks_exact(PARTS * n_functions);
             let totals = total.chunks_exact_mut(PARTS * n_functions);
             for ((total, terms), norm) in totals.zip(terms).zip(norms) {
                 for (total, term) in total.iter_mut().zip(terms) {
-                    *total += term * norm;
+                    *total = if is_first { term * norm } else { *total + term * norm };
                 }
             }
+            is_first = false;
         }
         let total = total.as_chunks::<PARTS>().0;
         for (function, column) in columns.iter_mut().enumerate() {
