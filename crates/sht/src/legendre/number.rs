@@ -1,12 +1,14 @@
 use pulp::Simd;
 use pulp::bytemuck::{Pod, cast_slice};
 
+use sphvar_nufft::parts::Real;
+
 use super::PARTS;
 use super::kernel::{Buffers, Columns, Sums};
 
 /// Number type of the values and terms that the Legendre stage multiplies. The recurrence and the
 /// sums of partial sums are in f64.
-pub(super) trait Number: Pod {
+pub(super) trait Number: Pod + Real {
     /// Vectors in registers.
     type Vector<S: Simd>: Pod;
 
@@ -16,13 +18,10 @@ pub(super) trait Number: Pod {
     /// Multiple of the number of lanes in a vector of any instruction set.
     const PADDING: usize;
 
-    fn of(x: f64) -> Self;
-    fn to_f64(self) -> f64;
-
     fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::Vector<S>];
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::Vector<S>];
     fn splat<S: Simd>(simd: S, x: Self) -> Self::Vector<S>;
-    fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn add_vectors<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     /// Returns `a b + c`.
     fn mul_add<S: Simd>(
         simd: S,
@@ -65,7 +64,7 @@ macro_rules! implement {
         }
 
         #[inline(always)]
-        fn add<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
+        fn add_vectors<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
             simd.$add(a, b)
         }
 
@@ -101,17 +100,6 @@ impl Number for f32 {
     );
 
     #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is intended")]
-    fn of(x: f64) -> Self {
-        x as Self
-    }
-
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-
-    #[inline(always)]
     fn store<S: Simd, const K: usize>(values: [S::f64s; K], to: &mut [Self]) {
         let values: &[f64] = cast_slice(&values);
         for (to, value) in to.iter_mut().zip(values) {
@@ -135,18 +123,15 @@ impl Number for f64 {
     );
 
     #[inline(always)]
-    fn of(x: f64) -> Self {
-        x
-    }
-
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        self
-    }
-
-    #[inline(always)]
     fn store<S: Simd, const K: usize>(values: [S::f64s; K], to: &mut [Self]) {
         let (to, _) = S::as_mut_simd_f64s(to);
         to[..K].copy_from_slice(&values);
     }
+}
+
+/// Returns the first `K` vectors of some numbers.
+#[inline(always)]
+pub(super) fn load<S: Simd, T: Number, const K: usize>(from: &[T]) -> [T::Vector<S>; K] {
+    let vectors = T::vectors::<S>(&from[..K * (size_of::<T::Vector<S>>() / size_of::<T>())]);
+    std::array::from_fn(|k| vectors[k])
 }

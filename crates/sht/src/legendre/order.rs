@@ -273,8 +273,28 @@ impl Order {
 
 /// Coefficients for `WIDTH` consecutive n.
 trait FillRow {
-    /// Computes the coefficients for n from `first` on.
-    fn fill(&mut self, first: f64, m: f64);
+    /// Computes the coefficients at index `i`, for `n`.
+    fn set(&mut self, i: usize, at: Place);
+}
+
+/// What the coefficients for one n depend on.
+#[derive(Clone, Copy)]
+struct Place {
+    n: f64,
+    m: f64,
+    /// The degree of the even function, `2 n + m`.
+    k: f64,
+    /// `k + m` and `k - m`.
+    above: f64,
+    below: f64,
+}
+
+impl Place {
+    #[inline(always)]
+    fn new(n: f64, m: f64) -> Self {
+        let k = 2.0 * n + m;
+        Self { n, m, k, above: k + m, below: 2.0 * n }
+    }
 }
 
 /// `A_n` and `B_n`.
@@ -308,65 +328,52 @@ struct Ratio {
 
 impl FillRow for Connection {
     #[inline(always)]
-    fn fill(&mut self, first: f64, m: f64) {
-        for i in 0..WIDTH {
-            let n = first + i as f64;
-            let k = 2.0 * n + m;
-            let (above, below) = (k + m, 2.0 * n);
-            let half = 1.0 / (k + 0.5);
-            self.near[i] = (n + m + 0.5)
-                * half
-                * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
-            // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
-            // result is 0.
-            self.far[i] =
-                half * ((2.0 * k + 1.0) * above * (0.5 * n) / (2.0 * k - 1.0).abs()).sqrt();
-        }
+    fn set(&mut self, i: usize, at: Place) {
+        let Place { n, m, k, above, below } = at;
+        let half = 1.0 / (k + 0.5);
+        self.near[i] = (n + m + 0.5)
+            * half
+            * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
+        // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
+        // result is 0.
+        self.far[i] = half * ((2.0 * k + 1.0) * above * (0.5 * n) / (2.0 * k - 1.0).abs()).sqrt();
     }
 }
 
 impl FillRow for Row {
     #[inline(always)]
-    fn fill(&mut self, first: f64, m: f64) {
-        for i in 0..WIDTH {
-            let n = first + i as f64;
-            let k = 2.0 * n + m;
-            let at_pole = 1.0 / (n + m + 1.0);
-            let at_equator = 1.0 / (n + 1.5);
-            let half = 1.0 / (k + 0.5);
-            let common = (k + 2.5) / (n + m + 1.5);
-            self.damping[i] = n * (n + 0.5) * common * half * at_pole;
-            self.equator_damping[i] = n * (n + m) * common * half * at_equator;
-            self.forcing[i] = (k + 1.5) * common * at_pole;
-            self.equator_forcing[i] = (k + 1.5) * common * at_equator;
-            // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to
-            // l+2 for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
-            let (above, below) = (k + m, k - m);
-            let growth = ((2.0 * k + 7.0) * (above + 2.0) * (above + 3.0)
-                / ((2.0 * k + 3.0) * (below + 2.0) * (below + 3.0)))
-                .sqrt();
-            self.growth[i] = growth;
-            // P_n(-1)/P_n(1) of the Jacobi polynomials, from n to n + 1.
-            self.equator_growth[i] = -growth * (n + 1.5) * at_pole;
-        }
+    fn set(&mut self, i: usize, at: Place) {
+        let Place { n, m, k, above, below } = at;
+        let at_pole = 1.0 / (n + m + 1.0);
+        let at_equator = 1.0 / (n + 1.5);
+        let half = 1.0 / (k + 0.5);
+        let common = (k + 2.5) / (n + m + 1.5);
+        self.damping[i] = n * (n + 0.5) * common * half * at_pole;
+        self.equator_damping[i] = n * (n + m) * common * half * at_equator;
+        self.forcing[i] = (k + 1.5) * common * at_pole;
+        self.equator_forcing[i] = (k + 1.5) * common * at_equator;
+        // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to
+        // l+2 for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
+        let growth = ((2.0 * k + 7.0) * (above + 2.0) * (above + 3.0)
+            / ((2.0 * k + 3.0) * (below + 2.0) * (below + 3.0)))
+            .sqrt();
+        self.growth[i] = growth;
+        // P_n(-1)/P_n(1) of the Jacobi polynomials, from n to n + 1.
+        self.equator_growth[i] = -growth * (n + 1.5) * at_pole;
     }
 }
 
 impl FillRow for Ratio {
     #[inline(always)]
-    fn fill(&mut self, first: f64, m: f64) {
-        for i in 0..WIDTH {
-            let n = first + i as f64;
-            let k = 2.0 * n + m;
-            let (above, below) = (k + m, 2.0 * n);
-            // The numerators of e_l^2, e_{l+1}^2 and e_{l+2}^2 for l = k + 1, and the denominators
-            // (2l-1)(2l+1), with one division.
-            let [low, mid, high] = [1.0, 2.0, 3.0].map(|step| (below + step) * (above + step));
-            let [a, b, c, d] = [1.0, 3.0, 5.0, 7.0].map(|step| 2.0 * k + step);
-            let inverse = 1.0 / ((a * b) * (c * c * d));
-            self.product[i] = mid * high * (inverse * a);
-            self.center[i] = (low * c + mid * a) * (inverse * (c * d)) - 0.5;
-        }
+    fn set(&mut self, i: usize, at: Place) {
+        let Place { k, above, below, .. } = at;
+        // The numerators of e_l^2, e_{l+1}^2 and e_{l+2}^2 for l = k + 1, and the denominators
+        // (2l-1)(2l+1), with one division.
+        let [low, mid, high] = [1.0, 2.0, 3.0].map(|step| (below + step) * (above + step));
+        let [a, b, c, d] = [1.0, 3.0, 5.0, 7.0].map(|step| 2.0 * k + step);
+        let inverse = 1.0 / ((a * b) * (c * c * d));
+        self.product[i] = mid * high * (inverse * a);
+        self.center[i] = (low * c + mid * a) * (inverse * (c * d)) - 0.5;
     }
 }
 
@@ -384,7 +391,9 @@ impl<R: FillRow> NullaryFnOnce for Fill<'_, R> {
         let Self { m, rows } = self;
         let mut first = 0.0;
         for row in rows {
-            row.fill(first, m);
+            for i in 0..WIDTH {
+                row.set(i, Place::new(first + i as f64, m));
+            }
             first += WIDTH as f64;
         }
     }
