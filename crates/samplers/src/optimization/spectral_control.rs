@@ -26,7 +26,9 @@ pub(super) use freedom::degree_within;
 use freedom::{coefficients, degrees_of_freedom};
 pub use noise_colour::NoiseColour;
 pub use profile::PowerProfile;
-pub(super) use search::{MIN_STAGED, Search, descent_steps, infeasible_power, starts};
+pub(super) use search::{
+    MIN_STAGED, Search, descent_steps, infeasible_power, relative_steps, starts,
+};
 pub use single_peak::SinglePeak;
 pub(super) use sphere_bands::SphereBands;
 pub(super) use staged::StagedEnergy;
@@ -41,8 +43,9 @@ pub use target::SpectralTarget;
 ///
 /// A limited-memory BFGS method over the fast transforms minimizes the sum of the deviation of the
 /// amplitudes, weighted as in the logarithmic energy, and the penalty. It takes about
-/// `8 (1 + sqrt f)/(1 - sqrt f)` steps for any N, where f is the ratio of the number of vanishing
-/// coefficients to the 2N - 3 degrees of freedom. The accuracy of the transforms increases as the
+/// `8 r (1 + r/25)` steps for any N, where `r = (1 + sqrt f)/(1 - sqrt f)` and f is the ratio of the
+/// number of vanishing coefficients to the 2N - 3 degrees of freedom: 60 for alpha = 1, some 5000 for
+/// the largest alpha. The accuracy of the transforms increases as the
 /// deviation decreases; if the target is 0 up to some degree only, the last steps of 1024 points or
 /// more transform these degrees alone. A set that stalls is discarded and restarted; a
 /// target that cannot be met is an error.
@@ -183,7 +186,8 @@ impl SpectralControl {
     }
 
     /// Returns the pattern with zero power up to alpha and that of white noise from there to
-    /// `flat sqrt(N)`; `work` is the nominal work per point for alpha = 1.
+    /// `flat sqrt(N)`; `work` is the nominal work per point for alpha up to 1, beyond which it grows
+    /// with the size of the transforms and the number of steps.
     fn empty_to_alpha(
         name: &'static str,
         n_points: usize,
@@ -217,7 +221,14 @@ impl SpectralControl {
         let end = last.max(degree_within(flat, n_points, domain));
         let power = (0..=end).map(|l| if l <= last { 0.0 } else { 1.0 });
         let target = SpectralTarget::new(power.collect())?;
-        Ok(Self { n, domain, name, target, sigma: 0.0, work: work * relative_work(given) })
+        let default = Self::DEFAULT_ALPHA;
+        let relative = if given > default {
+            let share = target.constraints(domain) as f64 / degrees_of_freedom(n_points).max(1.0);
+            (given / default).powi(2) * relative_steps(share)
+        } else {
+            1.0
+        };
+        Ok(Self { n, domain, name, target, sigma: 0.0, work: work * relative })
     }
 
     /// Returns the pattern of `n_points` points with the power of the target and no minimum
@@ -243,7 +254,8 @@ impl SpectralControl {
                 reason: infeasible_power(constraints as f64, freedom),
             });
         }
-        Ok(Self { n, domain, name, target, sigma: 0.0, work: 130.0 })
+        let share = if freedom > 0.0 { constraints as f64 / freedom } else { 0.0 };
+        Ok(Self { n, domain, name, target, sigma: 0.0, work: 130.0 * relative_steps(share) })
     }
 
     /// Returns the same pattern with a minimum distance of `core` times the spacing of a hexagonal
@@ -356,15 +368,6 @@ impl Sampler for SpectralControl {
         let reason = search.failure(reached, g2);
         Err(Error::Infeasible { pattern: self.name, n_points: n, reason })
     }
-}
-
-/// Returns the work of a descent to zero power up to alpha sqrt(N), relative to alpha = 1 and at
-/// least 1: the size of the transforms times the number of steps.
-fn relative_work(alpha: f64) -> f64 {
-    let steps = |alpha: f64| descent_steps(0.5 * alpha * alpha);
-    let default = SpectralControl::DEFAULT_ALPHA;
-    let alpha = alpha.max(default);
-    alpha * alpha * steps(alpha) / steps(default)
 }
 
 /// Rejects numbers outside a range, which is `words` in messages.

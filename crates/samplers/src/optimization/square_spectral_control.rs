@@ -9,7 +9,7 @@ use sphvar_grammar::Range;
 
 use super::spectral_control::{
     DistancePenalty, MIN_STAGED, PowerProfile, Search, SpectralControl, SpectralEnergy,
-    StagedEnergy, descent_steps, in_range, infeasible_power, starts,
+    StagedEnergy, descent_steps, in_range, infeasible_power, relative_steps, starts,
 };
 use crate::square::poisson_disk_square::greatest_distance;
 use crate::square::turns::wrapped;
@@ -126,7 +126,9 @@ impl SquareSpectralControl {
             let reason = infeasible_power(constraints, freedom);
             return Err(Error::Infeasible { pattern: name, n_points, reason });
         }
-        Ok(Self { n, name, target, last_empty_square: 0, sigma: 0.0, work: 200.0 })
+        let share = if freedom > 0.0 { constraints / freedom } else { 0.0 };
+        let work = 200.0 * relative_steps(share);
+        Ok(Self { n, name, target, last_empty_square: 0, sigma: 0.0, work })
     }
 
     /// Returns the largest alpha of a step of `n_points` points, rounded down to six digits.
@@ -175,11 +177,14 @@ impl SquareSpectralControl {
         let power = |radius: f64| if radius * radius < empty { 0.0 } else { 1.0 };
         // Half of an integer more is clear of rounding.
         let target = RadialTarget::new((end + 0.5).sqrt(), power)?;
-        let relative = |alpha: f64| {
-            let share = 2.0 * (alpha / FRAC_2_SQRT_PI).powi(2);
-            alpha * alpha * descent_steps(share)
+        let default = Self::DEFAULT_ALPHA;
+        let relative = if given > default {
+            let share = target.constraints() / degrees_of_freedom(n_points).max(1.0);
+            (given / default).powi(2) * relative_steps(share)
+        } else {
+            1.0
         };
-        let work = work * (relative(given) / relative(Self::DEFAULT_ALPHA)).max(1.0);
+        let work = work * relative;
         Ok(Self { n, name, target, last_empty_square: last, sigma: 0.0, work })
     }
 

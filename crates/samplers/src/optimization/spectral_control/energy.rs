@@ -358,8 +358,8 @@ mod tests {
         counted.1
     }
 
-    /// `8 (1 + sqrt f)/(1 - sqrt f)` is 47 if the vanishing coefficients are half the degrees of
-    /// freedom, for any N.
+    /// [`descent_steps`](super::super::search::descent_steps) is 57 if the vanishing coefficients are
+    /// half the degrees of freedom, for any N.
     #[test]
     fn the_number_of_steps_does_not_grow_with_the_number_of_points() {
         for domain in DOMAINS {

@@ -11,8 +11,8 @@ use crate::optimization::descent::Descent;
 /// ones.
 pub(crate) const MIN_STAGED: (usize, f64) = (1024, 1.25);
 
-/// Maximum number of steps of one descent: some 5000 are needed where the number of vanishing
-/// coefficients is the largest feasible.
+/// Maximum number of steps of one descent: some 5000, in few cases 8000, are needed where the number
+/// of vanishing coefficients is the largest feasible.
 const MAX_STEPS: u32 = 20_000;
 
 /// Descents from random sets of points until one meets a target.
@@ -100,8 +100,20 @@ pub(crate) fn starts(n: u32) -> u32 {
 }
 
 /// Returns the approximate number of steps of a descent that constrains a fraction f of the degrees
-/// of freedom, `8 (1 + sqrt f)/(1 - sqrt f)`.
+/// of freedom: `8 r (1 + r/25)` with `r = (1 + sqrt f)/(1 - sqrt f)`.
+///
+/// The gradients of the constraints are like random vectors, whose matrix has the condition number
+/// `r^2` (Marchenko and Pastur 1967, doi:10.1070/SM1967v001n04ABEH001994). Conjugate gradients take a
+/// number of steps proportional to r; a descent that stores few steps does so up to about 100 steps,
+/// and then takes a number proportional to the condition number.
 pub(crate) fn descent_steps(share: f64) -> f64 {
     let root = share.min(freedom::MAX_SHARE).sqrt();
-    8.0 * (1.0 + root) / (1.0 - root)
+    let ratio = (1.0 + root) / (1.0 - root);
+    8.0 * ratio * (1.0 + ratio / 25.0)
+}
+
+/// Returns the number of steps of a descent that constrains a fraction of the degrees of freedom over
+/// that for half of them, and at least 1.
+pub(crate) fn relative_steps(share: f64) -> f64 {
+    (descent_steps(share) / descent_steps(0.5)).max(1.0)
 }
