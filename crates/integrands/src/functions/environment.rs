@@ -1,16 +1,14 @@
 mod density;
 mod nodes;
+mod rings;
 mod square;
 mod zonal_product;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
-use num_complex::Complex;
-use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::Domain;
 use sphvar_sh::{Alm, ByParity};
-use sphvar_sht::{RingTransform, RingWorkspace};
 
 use self::nodes::Node;
 pub(crate) use self::zonal_product::ZonalProduct;
@@ -97,7 +95,8 @@ impl EnvironmentMap {
     /// Returns the coefficients `F_lm` of the map on the sphere, or of its upper half alone, to
     /// degree `lmax`.
     ///
-    /// Cost: some `H (12 + lmax/H)` rings, each `lmax^2/2` steps.
+    /// Cost: a transform of `lmax` rings, and some 64 operations for each order and each of about
+    /// `H (12 + lmax/H)` rings.
     ///
     /// # Errors
     ///
@@ -108,36 +107,7 @@ impl EnvironmentMap {
 
     /// Returns the coefficients to degree `lmax` of the map with the weights of nodes over theta.
     fn alm_of_nodes(&self, nodes: &[Node], lmax: usize) -> Result<Alm, Error> {
-        let rows = self.row_transforms();
-        let mut alm = Alm::zeros(lmax)?;
-        let texel = TAU / self.width as f64;
-        RingTransform::new(lmax)?.adjoint_into(
-            nodes.iter().map(|n| n.colatitude),
-            |m, fourier| {
-                // A hat of half-width `texel` around each centre has the transform texel sinc^2.
-                let half = 0.5 * texel * m as f64;
-                let sinc = if m == 0 { 1.0 } else { half.sin() / half };
-                let phase = -half - self.first_longitude * m as f64;
-                let hat = Complex::cis(phase) * (texel * sinc * sinc);
-                let column = m % self.width;
-                for (f, node) in fourier.iter_mut().zip(nodes) {
-                    let row = |i: usize| rows[i * self.width + column];
-                    let value =
-                        row(node.rows.0) * (1.0 - node.share) + row(node.rows.1) * node.share;
-                    *f = value * hat * node.weight;
-                }
-            },
-            &mut RingWorkspace::default(),
-            &mut alm,
-        );
-        Ok(alm)
-    }
-
-    /// Returns the discrete Fourier transform of each row, without the phase of the half texel.
-    fn row_transforms(&self) -> Vec<Complex<f64>> {
-        let mut rows: Vec<_> = self.texels.iter().map(|&x| Complex::new(x, 0.0)).collect();
-        f64::fourier_plan(self.width, FftDirection::Forward).process(&mut rows);
-        rows
+        rings::coefficients(self, nodes, lmax)
     }
 
     /// `int F` and `int F^2` over the domain.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Cell, Cells, Feature, Place};
+use super::{Cells, Feature, Place};
 use crate::Error;
 
 /// Cells are not divided further than this fraction of the square.
@@ -14,24 +14,35 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// The rounds of division.
 const MAX_ROUNDS: usize = 100;
 
+/// What decides whether a cell that is not divided is. Cells are large, and all are examined in each
+/// round.
+struct Live {
+    index: usize,
+    error: f64,
+    moments: [f64; 2],
+    is_divisible: bool,
+}
+
 impl Cells<'_> {
     /// Divides the cells of the largest misfits.
     pub(super) fn divide(&mut self, relative: f64, max: usize) -> Result<(), Error> {
+        let (mut live, mut n_seen) = (Vec::new(), 0);
         for _ in 0..MAX_ROUNDS {
-            let (first, second) = self.moments();
+            live.extend(self.live_from(n_seen));
+            n_seen = self.list.len();
+            // In the order of the list, so that rounding does not depend on the rounds.
+            let (first, second) = live
+                .iter()
+                .fold((0.0, 0.0), |(a, b), cell: &Live| (a + cell.moments[0], b + cell.moments[1]));
             let variance = second - first * first;
-            let error: f64 = self.live().map(Cell::error).sum();
+            let error: f64 = live.iter().map(|cell| cell.error).sum();
             if error <= relative * variance || error <= f64::EPSILON * f64::EPSILON * second {
                 break;
             }
-            let is_divisible = |cell: &&Cell| cell.area > MIN_AREA;
-            let largest = self.live().filter(is_divisible).map(Cell::error).fold(0.0, f64::max);
-            let mut chosen: Vec<usize> = (0..self.list.len())
-                .filter(|i| {
-                    let cell = &self.list[*i];
-                    !cell.is_divided && is_divisible(&cell) && cell.error() > 0.25 * largest
-                })
-                .collect();
+            let divisible = || live.iter().filter(|cell| cell.is_divisible);
+            let largest = divisible().map(|cell| cell.error).fold(0.0, f64::max);
+            let mut chosen: Vec<usize> =
+                divisible().filter(|c| c.error > 0.25 * largest).map(|cell| cell.index).collect();
             // Halves have fewer nodes than their cell each.
             let mut remaining = max.saturating_sub(self.nodes.len());
             chosen.retain(|i| {
@@ -44,8 +55,21 @@ impl Cells<'_> {
                 break;
             }
             self.halve(&chosen)?;
+            let mut divided = chosen.iter().peekable();
+            live.retain(|cell| divided.next_if_eq(&&cell.index).is_none());
         }
         Ok(())
+    }
+
+    /// Returns the cells that are not divided from a place in the list on.
+    fn live_from(&self, first: usize) -> impl Iterator<Item = Live> {
+        let cells = self.list.iter().enumerate().skip(first);
+        cells.filter(|(_, cell)| !cell.is_divided).map(|(index, cell)| Live {
+            index,
+            error: cell.error(),
+            moments: cell.moments,
+            is_divisible: cell.area > MIN_AREA,
+        })
     }
 
     /// Divides cells along the coordinate of their larger misfit.
