@@ -221,7 +221,7 @@ impl Order {
             let totals = total.chunks_exact_mut(PARTS * n_functions);
             for ((total, terms), norm) in totals.zip(terms).zip(norms) {
                 for (total, term) in total.iter_mut().zip(terms) {
-                    *total = if is_first { term * norm } else { *total + term * norm };
+                    *total = if is_first { 0.0 } else { *total } + term * norm;
                 }
             }
             is_first = false;
