@@ -1,5 +1,9 @@
 //! The stages between points and grid, and their arithmetic.
 
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+use gauss_quad::GaussLegendre;
 use num_complex::Complex;
 use sphvar_nufft::Error;
 use sphvar_nufft::parts::{
@@ -115,6 +119,37 @@ fn polynomials_approximate_the_window() {
             for (v, m) in values.iter().zip(mirrored.iter().rev()) {
                 assert!((v - m).abs() < 0.2 * epsilon + 1e-14, "the window is even");
             }
+        }
+    }
+}
+
+/// Reference: a Gauss rule with more nodes, each cosine by itself. The orders end where those of a
+/// transform with this oversampling do.
+#[test]
+fn transforms_of_windows_are_those_of_their_values() {
+    const CELLS: usize = 1000;
+    let rule = GaussLegendre::new(NonZeroUsize::MIN.saturating_add(200));
+    for (epsilon, oversampling, last) in
+        [(1e-1, 2.0, 250), (1e-5, 1.25, 400), (1e-9, 1.5, 333), (1e-13, 1.55, 322)]
+    {
+        let window = Window::new(epsilon, oversampling);
+        let half = 0.5 * window.width() as f64;
+        let transform = window.transform(CELLS, last);
+        for m in [0, 1, 31, 32, 33, 63, 100, last - 1, last] {
+            let node = |(x, w): &(f64, f64)| {
+                let (s, c) = (0.5 * PI * x).sin_cos();
+                let phase = 2.0 * PI * m as f64 / CELLS as f64 * half * s;
+                w * window.value(half * s) * phase.cos() * half * c
+            };
+            let expected = 0.5 * PI * rule.iter().map(node).sum::<f64>();
+            let error = (transform[m] - expected).abs();
+            // The nodes and weights of both rules are rounded too.
+            let tolerance = 20.0 * f64::EPSILON + 1e-6 * epsilon;
+            assert!(
+                error < tolerance * transform[0],
+                "{epsilon:e}, order {m}: {}, {expected}",
+                transform[m]
+            );
         }
     }
 }
