@@ -8,6 +8,7 @@ mod long_waves;
 mod riesz_energy;
 mod spectral_control;
 mod square_spectral_control;
+mod transforms;
 pub(crate) mod voronoi;
 
 pub use covering_radius::covering_radius;

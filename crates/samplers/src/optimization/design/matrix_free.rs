@@ -8,6 +8,7 @@ use sphvar_sht::{ConjugateGradients, Method, Transform, TransformWorkspace};
 
 use super::{DesignEquations, Solved};
 use crate::optimization::descent::ManifoldPoint;
+use crate::optimization::transforms;
 use crate::{Error, Progress};
 
 /// The accuracies of the transforms within steps and of those for the residuals. The smallest power
@@ -162,7 +163,7 @@ impl Linearized {
             scales,
             rough: transform(STEP_ACCURACY)?,
             fine: transform(ACCURACY)?,
-            workspace: TransformWorkspace::default(),
+            workspace: transforms::workspace(n_points),
             values: vec![0.0; n_points],
             vectors: vec![DVec3::ZERO; n_points],
             work: Method::Auto.nominal_work(n_points, equations.degree),

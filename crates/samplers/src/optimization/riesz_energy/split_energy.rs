@@ -9,6 +9,7 @@ use super::splitting::Splitting;
 use super::{KernelJob, RieszEnergy};
 use crate::Domain;
 use crate::optimization::descent::ManifoldPoint;
+use crate::optimization::transforms;
 
 /// The accuracy of the transforms.
 const EPSILON: f64 = 1e-11;
@@ -89,7 +90,7 @@ impl SplitEnergy {
             cutoff,
             splitting: Splitting::new(energy.s, cutoff)?,
             transform: Transform::new(Method::Fast, degree, n_points, EPSILON).ok()?,
-            workspace: TransformWorkspace::default(),
+            workspace: transforms::workspace(n_points),
             alms: [Alm::zeros(degree).ok()?],
             forces: Vec::new(),
             values: Vec::new(),

@@ -6,6 +6,7 @@ use sphvar_sht::{Method, Transform, TransformWorkspace};
 
 use super::energy::{ACCURACIES, Band, BandTransform};
 use super::target::SpectralTarget;
+use crate::optimization::transforms;
 use crate::{Domain, Error};
 
 /// The degrees of spherical harmonics.
@@ -28,7 +29,7 @@ impl SphereBands {
         let [a, b, c, d] = ACCURACIES;
         Ok(Self {
             transforms: [transform(a)?, transform(b)?, transform(c)?, transform(d)?],
-            workspace: TransformWorkspace::default(),
+            workspace: transforms::workspace(n_points),
             alms: [alm],
             values: vec![0.0; n_points],
         })
