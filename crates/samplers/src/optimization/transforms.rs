@@ -2,7 +2,7 @@ use sphvar_sht::TransformWorkspace;
 
 /// The number of points from which the transforms of an optimization use all threads.
 ///
-/// Sets of fewer points are optimized in a fraction of a second, and usually many side by side,
+/// Sets of fewer points are optimized in a fraction of a second, and mostly many side by side,
 /// which occupies all threads anyway.
 const MIN_DIVIDED: usize = 16384;
 

@@ -277,10 +277,10 @@ mod tests {
                         place.corners().iter().map(|c| c.distance_squared(p)).fold(0.0, f64::max)
                     };
                     let radius = farthest(centre).sqrt() + place.sagitta();
-                    let least =
+                    let min_of =
                         |f: &dyn Fn(DVec3) -> f64| sites.map(f).into_iter().fold(9.0, f64::min);
-                    let distance = least(&|p| p.distance_squared(centre)).sqrt();
-                    let far = least(&|p| farthest(p)).sqrt() + place.sagitta();
+                    let distance = min_of(&|p| p.distance_squared(centre)).sqrt();
+                    let far = min_of(&|p| farthest(p)).sqrt() + place.sagitta();
                     let limit = bound.min(far).min(distance + radius);
                     assert_eq!(
                         [radius, distance, limit].map(f64::to_bits),
