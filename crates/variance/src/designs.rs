@@ -1,6 +1,6 @@
 use sphvar_samplers::{BlueParameters, Domain, Pattern, Sampler, SpectralControl, StepParameters};
 
-use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
+use crate::{CurvePredictor, Error, PredictedPoint, PredictionBudget, Predictor};
 
 /// The minimum share of white noise's power beyond a pattern's empty degrees, averaged over many
 /// degrees with an integrand's energies as weights. Power that is missing at low degrees appears
@@ -14,8 +14,18 @@ const MAX_FAILURES: usize = 3;
 /// The maximum nominal work of one prediction in the search, in units of the budget.
 const MAX_WORK: f64 = 2.0;
 
+/// The parameters of a designed pattern that are best for an integrand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BestDesign<F = Pattern, P = PredictedPoint> {
+    /// The pattern of the least variance with its prediction, if that is below the variance to beat.
+    pub best: Option<(F, P)>,
+    /// The pattern with the most empty degrees among those that may have less variance but whose
+    /// prediction takes too much work.
+    pub unaffordable: Option<F>,
+}
+
 /// Returns the parameters of a designed pattern with the least variance at `n_points`, with their
-/// prediction. Returns `None` if none has a variance below `to_beat`, or if the pattern has no such
+/// prediction; none if none has a variance below `to_beat`, or if the pattern has no such
 /// parameters.
 ///
 /// A `step` or `blue` set has no power up to a degree t. Each t has one value of alpha, the
@@ -23,7 +33,9 @@ const MAX_WORK: f64 = 2.0;
 /// smaller ones while they improve, all with [`PredictionBudget::rough`] predictions; that of the best is
 /// precise. The energy beyond t gives a lower bound if it is spread over
 /// many degrees ([`Predictor::broad_variance`]): once 0.7 times white noise's variance there
-/// exceeds the best known variance, no smaller t is tried.
+/// exceeds the best known variance, no smaller t is tried. Patterns are left out whose prediction
+/// takes more than twice the work of the default budget: near the largest t sets take up to some
+/// hundred times the work of the default alpha.
 ///
 /// # Errors
 ///
@@ -33,11 +45,12 @@ pub fn best_design(
     pattern: &Pattern,
     n_points: usize,
     to_beat: f64,
-) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
+) -> Result<BestDesign, Error> {
     let default = PredictionBudget::DEFAULT;
     let budget = PredictionBudget { work: MAX_WORK * default.work, ..default };
     let rough = predictor.budget().rough();
-    let mut best: Option<(Pattern, Box<dyn Sampler>)> = None;
+    let mut best: Option<(Pattern, Box<dyn Sampler>, PredictedPoint)> = None;
+    let mut unaffordable = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
     for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {
         if last >= below {
@@ -50,12 +63,13 @@ pub fn best_design(
             continue;
         };
         if !predictor.is_affordable_within(budget, &*sampler).unwrap_or(false) {
+            unaffordable.get_or_insert(design);
             continue;
         }
         match predictor.predict_within(rough, &*sampler, &()) {
             Ok(point) if point.prediction.variance < limit => {
                 limit = point.prediction.variance;
-                best = Some((design, sampler));
+                best = Some((design, sampler, point));
             }
             Ok(_) => break,
             Err(Error::Spectrum(sphvar_spectrum::Error::Sampler(_))) if failures < MAX_FAILURES => {
@@ -67,9 +81,14 @@ pub fn best_design(
         }
         below = fraction(last);
     }
-    let Some((design, sampler)) = best else { return Ok(None) };
-    let point = predictor.predict(&*sampler, &())?;
-    Ok((point.prediction.variance < to_beat).then_some((design, point)))
+    let Some((design, sampler, mut point)) = best else {
+        return Ok(BestDesign { best: None, unaffordable });
+    };
+    if !predictor.is_repeated_by(&design, &point, predictor.budget())? {
+        point = predictor.predict(&*sampler, &())?;
+    }
+    let best = (point.prediction.variance < to_beat).then_some((design, point));
+    Ok(BestDesign { best, unaffordable })
 }
 
 /// Returns the designs of a pattern, one for each last empty degree, in increasing order.

@@ -68,7 +68,7 @@ pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};
 pub use curve_predictor::CurvePredictor;
 pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree_of};
-pub use designs::best_design;
+pub use designs::{BestDesign, best_design};
 pub use error::Error;
 pub use estimates::{measure, measure_components, trial_work};
 pub use fixed_orientation::{
@@ -91,7 +91,9 @@ pub use progressive::{
 };
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
-pub use required_points::{RequiredPoints, required_points, required_points_within, valid_between};
+pub use required_points::{
+    RequiredPoints, needs_more_points, required_points, required_points_within, valid_between,
+};
 pub use space::{Distribution, IntegrationSpace, SquarePredictor};
 pub use sphvar_integrands::{Energy, Integrand, VectorIntegrand};
 pub use sphvar_samplers::Square;

@@ -123,6 +123,50 @@ pub fn required_points_within<F: Clone, C: CurvePredictor<F> + ?Sized>(
     }
 }
 
+/// Returns whether predictions show that a pattern needs more than `max_points` points for a variance:
+/// [`required_points_within`] a budget would find none. It takes two predictions, of `max_points` and
+/// of half as many points, instead of one for each power of 2; they are added to the curve.
+///
+/// Returns false where this is not clear: the variance of one of them does not exceed the requested
+/// one clearly, or is unknown because its prediction is not affordable or the pattern does not support that
+/// number.
+///
+/// # Errors
+///
+/// Returns the errors of the integrand's energies, and errors of closures that generate sets.
+pub fn needs_more_points<F: Clone, C: CurvePredictor<F> + ?Sized>(
+    budget: PredictionBudget,
+    predictor: &mut C,
+    curve: &mut PredictedCurve<F, C::Point>,
+    (variance, max_points): (f64, usize),
+    progress: &dyn Progress,
+) -> Result<bool, Error> {
+    let pattern = curve.pattern().clone();
+    let variance = variance * (1.0 + ROUNDING);
+    let rough = BTreeSet::new();
+    let mut search = Search { predictor, curve, budget, variance, progress, rough };
+    for n in [max_points, max_points / 2] {
+        let n = search.predictor.nearest_count(&pattern, n);
+        if n > max_points {
+            return Ok(false);
+        }
+        if search.predictor.is_ruled_out(&pattern, n, variance)? {
+            continue;
+        }
+        if !search.is_affordable(n).unwrap_or(false) {
+            return Ok(false);
+        }
+        if let Err(error) = search.predict_within(budget.rough(), n) {
+            ignore_unsupported_count(&error)?;
+            return Ok(false);
+        }
+        if !search.is_clear(n) || search.suffices_at(n) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
 /// A rough prediction that is an estimate decides only if its variance differs from the requested one
 /// by more than this factor, and by more than this number of standard errors.
 const FACTOR: f64 = 1.5;

@@ -2,7 +2,7 @@ use sphvar_samplers::{Domain, Pattern};
 
 use sphvar_integrands::Cap;
 
-use super::{candidate_counts, required_points, valid_between};
+use super::{candidate_counts, needs_more_points, required_points, valid_between};
 use crate::{PredictedCurve, PredictionBudget, Predictor};
 
 #[test]
@@ -61,5 +61,31 @@ fn an_error_that_is_met_exactly_needs_no_point_more() {
             let more = predictor.white_points((1.0 - 1e-6 / n_points as f64) * variance);
             assert!((more - n_points as f64 - 1.0).abs() < 0.5, "{degrees} {root}: {more}");
         }
+    }
+}
+
+/// Random patterns, lattices, and one whose smallest valid count exceeds some of the limits.
+#[test]
+fn more_points_are_needed_where_the_search_finds_none() {
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let budget = PredictionBudget::DEFAULT.rough().rough();
+    let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::FIBONACCI] {
+        let mut answers = Vec::new();
+        for variance in [3.0, 0.3, 0.03, 1e-4] {
+            for max_points in [0, 5, 40, 300] {
+                let range = (variance, max_points);
+                let mut curve = PredictedCurve::new(pattern.clone());
+                let more = needs_more_points(budget, &mut predictor, &mut curve, range, &());
+                let mut curve = PredictedCurve::new(pattern.clone());
+                let required =
+                    required_points(&mut predictor, &mut curve, variance, max_points, &());
+                let found = required.ok().and_then(|required| required.n_points());
+                let more = more.unwrap();
+                assert!(!more || found.is_none(), "{pattern} {range:?}: {found:?}");
+                answers.push(more);
+            }
+        }
+        assert!(answers.contains(&true) && answers.contains(&false), "{pattern}: {answers:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! The result for one pattern.
 
 use sphvar_variance::{
-    Candidate, CurvePredictor, Goal, PredictedCurve, PredictedVariance, PredictionBudget,
-    RequiredPoints,
+    BestDesign, Candidate, CurvePredictor, Goal, PredictedCurve, PredictedVariance,
+    PredictionBudget, RequiredPoints, needs_more_points,
 };
 
 use super::choosable::Choosable;
@@ -21,6 +21,8 @@ pub(super) struct TimedCandidate<P: Choosable> {
     pub(super) seconds_in_all: Option<f64>,
     /// The precision of its predictions.
     pub(super) precision: Precision,
+    /// The pattern with other parameters that may be better but whose prediction is too expensive.
+    pub(super) unaffordable: Option<P>,
 }
 
 /// The precision with which a sampler is predicted.
@@ -87,10 +89,30 @@ impl<P: Choosable> TimedCandidate<P> {
         let budget = precision.budget(predictor.budget());
         let curve = curve.repeated_by(predictor, budget).map_err(CliError::failed)?;
         if needed < max_points && is_limited {
+            if let Goal::Variance { variance, .. } = question.goal(needed) {
+                let mut curve = PredictedCurve::new(curve.pattern().clone());
+                let range = (variance, needed);
+                if needs_more_points(budget, predictor, &mut curve, range, &())? {
+                    return Ok(Self::behind(curve, precision));
+                }
+            }
             let found = Self::answering(curve, needed, question, predictor, precision, seed)?;
             return Ok(Self { is_behind: found.answer.n_points.is_none(), ..found });
         }
         Self::answering(curve, max_points, question, predictor, precision, seed)
+    }
+
+    /// Returns a pattern that needs more than [`MAX_FACTOR`] times the points of the best one.
+    fn behind(curve: PredictedCurve<P, P::Point>, precision: Precision) -> Self {
+        let required = Some(RequiredPoints::OutOfReach);
+        Self {
+            answer: Candidate { curve, required, n_points: None, variance: None },
+            is_behind: true,
+            set_time: None,
+            seconds_in_all: None,
+            precision,
+            unaffordable: None,
+        }
     }
 
     /// Returns whether a better prediction may place the sampler among those that compete with the best
@@ -143,13 +165,14 @@ impl<P: Choosable> TimedCandidate<P> {
             Goal::Points(_) => variance.min(best),
         };
         let own = self.answer.curve.pattern();
-        let Some((pattern, point)) = P::best_design(own, predictor, n, limit)? else {
-            return Ok(self);
-        };
+        let BestDesign { best, unaffordable } = P::best_design(own, predictor, n, limit)?;
+        let own = Self { unaffordable: unaffordable.clone(), ..self };
+        let Some((pattern, point)) = best else { return Ok(own) };
         let mut curve = PredictedCurve::new(pattern);
         curve.insert(point);
         let tuned = Self::answering(curve, n, question, predictor, Precision::Full, seed)?;
-        Ok(if tuned.merit(question) < self.merit(question) { tuned } else { self })
+        let is_better = tuned.merit(question) < own.merit(question);
+        Ok(if is_better { Self { unaffordable, ..tuned } } else { own })
     }
 
     fn answering(
@@ -181,7 +204,14 @@ impl<P: Choosable> TimedCandidate<P> {
         let values = question.cost_per_sample.zip(n_points).map(|(cost, n)| cost * n as f64);
         let seconds_in_all =
             values.map(|values| values + set_time.map_or(0.0, |set_time| set_time.seconds));
-        Ok(Self { answer, is_behind: false, set_time, seconds_in_all, precision })
+        Ok(Self {
+            answer,
+            is_behind: false,
+            set_time,
+            seconds_in_all,
+            precision,
+            unaffordable: None,
+        })
     }
 
     /// Returns how the answer was obtained.

@@ -8,8 +8,8 @@ use sphvar_samplers::{
 };
 use sphvar_spectrum::ExactSquareSpectrum;
 use sphvar_variance::{
-    CurvePredictor, Error, IntegrationSpace, PredictedPoint, PredictedVariance, Predictor,
-    PredictorOn, SquarePredictor, best_design,
+    BestDesign, CurvePredictor, Error, IntegrationSpace, PredictedPoint, PredictedVariance,
+    Predictor, PredictorOn, SquarePredictor, best_design,
 };
 
 use super::budgets;
@@ -107,7 +107,7 @@ pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
     }
 
     /// Returns the pattern with the best parameters and its prediction, if it has a smaller variance
-    /// than `limit`.
+    /// than `limit`, and one that was not tried because its prediction is too expensive.
     ///
     /// # Errors
     ///
@@ -117,8 +117,8 @@ pub(super) trait Choosable: Clone + PartialEq + fmt::Display {
         _predictor: &mut Self::Predictor<'_>,
         _n_points: usize,
         _limit: f64,
-    ) -> Result<Option<(Self, Self::Point)>, Error> {
-        Ok(None)
+    ) -> Result<BestDesign<Self, Self::Point>, Error> {
+        Ok(BestDesign { best: None, unaffordable: None })
     }
 }
 
@@ -206,7 +206,7 @@ impl Choosable for Pattern {
         predictor: &mut Predictor<'_>,
         n_points: usize,
         limit: f64,
-    ) -> Result<Option<(Self, Self::Point)>, Error> {
+    ) -> Result<BestDesign<Self, Self::Point>, Error> {
         best_design(predictor, self, n_points, limit)
     }
 }

@@ -65,7 +65,8 @@ impl<'a> Contest<'a> {
         Some(candidate)
     }
 
-    /// Adds a pattern as [`Self::add`] does, from coarse predictions unless the user named it.
+    /// Adds a pattern as [`Self::add`] does, from coarse predictions unless the user named it, and with
+    /// other parameters if these are better.
     pub(super) fn survey<'p, P: Choosable>(
         &mut self,
         pattern: P,
@@ -78,11 +79,23 @@ impl<'a> Contest<'a> {
         }
         self.progress.stage(&label);
         let precision = if self.is_named { Precision::Full } else { Precision::Coarse };
-        match self.answer(PredictedCurve::new(pattern), predictor, precision) {
+        let answer = self.answer(PredictedCurve::new(pattern), predictor, precision);
+        let limit = (self.min_variance, self.limit());
+        let answer = answer.and_then(|candidate| match self.is_named {
+            true => Ok(candidate),
+            false => candidate.tuned(&self.question, predictor, limit, self.seed),
+        });
+        match answer {
             Ok(candidate) => {
                 let row = self.row(&candidate, predictor, white);
                 self.progress.line(&presentation::line(&row.record));
                 self.rows.push(row);
+                if let (Some(pattern), Some(n)) =
+                    (&candidate.unaffordable, candidate.answer.n_points)
+                {
+                    let reason = too_expensive(budgets(pattern.nominal_work(n)));
+                    self.leave_out(pattern.to_string(), pattern.label(), reason);
+                }
                 Some(candidate)
             }
             Err(error) => {
@@ -169,7 +182,13 @@ impl<'a> Contest<'a> {
         self.left_out.push(LeftOut { sampler, label, reason });
     }
 
-    /// Returns the answer of a pattern with its own parameters or, unless it is named, better ones.
+    /// Returns the minimum number of points by which other samplers are limited, if they are.
+    fn limit(&self) -> Option<usize> {
+        let is_limited = !self.is_named && self.question.cost_per_sample.is_none();
+        self.min_points.filter(|_| is_limited)
+    }
+
+    /// Returns the answer of a pattern.
     fn answer<P: Choosable>(
         &self,
         curve: PredictedCurve<P, P::Point>,
@@ -180,18 +199,16 @@ impl<'a> Contest<'a> {
         let work = |n: usize| curve.pattern().nominal_work(n);
         let budgets = question.points().map_or(0.0, |n| budgets(work(n)));
         if !self.is_named && budgets > MAX_BUDGETS {
-            return Err(CliError::Failed(format!(
-                "a prediction costs {} times the work budget; name the sampler to include it",
-                number::count(budgets)
-            )));
+            return Err(CliError::Failed(too_expensive(budgets)));
         }
-        let limit =
-            self.min_points.filter(|_| !self.is_named && question.cost_per_sample.is_none());
-        let candidate =
-            TimedCandidate::new(curve, limit, question, predictor, precision, self.seed)?;
-        match self.is_named {
-            true => Ok(candidate),
-            false => candidate.tuned(question, predictor, (self.min_variance, limit), self.seed),
-        }
+        TimedCandidate::new(curve, self.limit(), question, predictor, precision, self.seed)
     }
+}
+
+/// Returns the reason why a sampler is left out whose prediction costs this number of budgets.
+fn too_expensive(budgets: f64) -> String {
+    format!(
+        "a prediction costs {} times the work budget; name the sampler to include it",
+        number::count(budgets)
+    )
 }

@@ -94,8 +94,12 @@ impl<'a> Ranking<'a> {
             )));
         }
         let typical = typical_points(args)?;
-        let (uniform, shares) =
-            in_order(uniform, |p| p.nominal_work(typical), |p| share(p, typical, domain));
+        // White noise is predicted in no time, so that a first row is shown at once.
+        let work = |p: &Pattern| match p {
+            Pattern::WhiteNoise => 0.0,
+            _ => p.nominal_work(typical),
+        };
+        let (uniform, shares) = in_order(uniform, work, |p| share(p, typical, domain));
         let expression = proposed;
         let proposed = proposed.filter(|_| !is_named && !integral.is_irradiance());
         let n_densities =
