@@ -80,7 +80,12 @@ impl CellFamily {
 
     /// Returns the children of a cell with its corners, centre and bound. `sites` contain the
     /// nearest ones of all points of the cell.
-    pub(super) fn of_children(parent: CellPlace, grid: &Corners, bound: f64, sites: &[DVec3]) -> Self {
+    pub(super) fn of_children(
+        parent: CellPlace,
+        grid: &Corners,
+        bound: f64,
+        sites: &[DVec3],
+    ) -> Self {
         let centre = [0, 1, 2, 3].map(|child| parent.child(child).point(0.5, 0.5));
         let mut distance = [f64::INFINITY; 4];
         let mut far = [f64::INFINITY; 4];
@@ -208,7 +213,8 @@ impl Corners {
         let [south, east, west, north] = corners;
         let edges = [(0.5, 0.0), (0.0, 0.5), (1.0, 0.5), (0.5, 1.0)];
         let [south_east, south_west, north_east, north_west] = edges.map(|(u, v)| cell.point(u, v));
-        let rows = [south, south_east, east, south_west, centre, north_east, west, north_west, north];
+        let rows =
+            [south, south_east, east, south_west, centre, north_east, west, north_west, north];
         Self(rows)
     }
 
