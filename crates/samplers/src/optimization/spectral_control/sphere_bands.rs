@@ -48,8 +48,8 @@ impl SphereBands {
 }
 
 /// Returns the method by which coefficients and gradients together take less time, where
-/// [`Method::Auto`] counts coefficients alone: exact gradients take four to five times as long as
-/// exact coefficients, fast ones twice as long as fast coefficients.
+/// [`Method::Auto`] counts coefficients alone. In profiles exact gradients take four to five times as
+/// long as exact coefficients; fast ones are taken to need twice as long as fast coefficients.
 fn method_with_gradients(n_points: usize, lmax: usize) -> Method {
     const EXACT: f64 = 5.6;
     const FAST: f64 = 3.0;
