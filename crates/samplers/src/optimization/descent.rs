@@ -1,8 +1,10 @@
 //! Minimization over unit vectors or points of the plane.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use crate::Stopped;
 use crate::ensemble::progress::Tick;
@@ -17,8 +19,12 @@ const SUFFICIENT: f64 = 1e-4;
 /// Maximum number of step reductions before the method abandons a direction.
 const MAX_TRIALS: u32 = 30;
 
+/// Vectors of more points are divided into parts of this size, one for each thread at a time. Sums are
+/// those of the parts, added in their order, for any number of threads.
+const PART: usize = 16384;
+
 /// A point of the unit sphere or of the plane, as a vector; so are tangent vectors.
-pub(crate) trait ManifoldPoint: Vector {
+pub(crate) trait ManifoldPoint: Vector + Send + Sync {
     /// Returns the part of a vector that is tangent at a point.
     fn tangent(vector: Self, at: Self) -> Self;
 
@@ -95,31 +101,30 @@ impl Descent {
         let mut gradient = Vec::new();
         let mut here = objective.energy(points);
         objective.gradient(points, &mut gradient);
-        project(points, &mut gradient);
+        let mut squared_slope = project(points, &mut gradient);
         let mut memory = Memory { pairs: VecDeque::new() };
         let (mut step, mut trial, mut trial_gradient) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.iterations {
             tick()?;
-            if objective.is_final(here, dot(&gradient, &gradient)) {
+            if objective.is_final(here, squared_slope) {
                 break;
             }
-            memory.direction_into(&gradient, self, &mut step);
-            project(points, &mut step);
-            limit(&mut step, self.reach);
-            let mut slope = dot(&gradient, &step);
+            let mut slope = self.step_into(&memory, points, &gradient, &mut step);
             if slope >= 0.0 {
                 // If the stored steps give an ascent direction they are dropped; the negative
                 // gradient is always a descent direction.
                 memory.clear();
-                memory.direction_into(&gradient, self, &mut step);
-                limit(&mut step, self.reach);
-                slope = dot(&gradient, &step);
+                slope = self.step_into(&memory, points, &gradient, &mut step);
             }
             let mut t = 1.0;
             let mut trials = 0;
             let there = loop {
-                trial.clear();
-                trial.extend(points.iter().zip(&step).map(|(&p, &d)| p.moved(d * t)));
+                trial.resize(points.len(), P::ZERO);
+                by_parts(&mut trial, |range, trial| {
+                    let moves = points[range.clone()].iter().zip(&step[range]);
+                    trial.iter_mut().zip(moves).for_each(|(to, (&p, &d))| *to = p.moved(d * t));
+                    []
+                });
                 let there = objective.energy(&trial);
                 if there <= here + SUFFICIENT * t * slope {
                     break Some(there);
@@ -133,20 +138,39 @@ impl Descent {
             let Some(there) = there.filter(|_| slope < 0.0) else {
                 here = objective.energy(points);
                 objective.gradient(points, &mut gradient);
-                project(points, &mut gradient);
+                squared_slope = project(points, &mut gradient);
                 if memory.clear() {
                     continue;
                 }
                 break;
             };
             objective.gradient(&trial, &mut trial_gradient);
-            project(&trial, &mut trial_gradient);
+            squared_slope = project(&trial, &mut trial_gradient);
             memory.remember(points, &trial, &gradient, &trial_gradient);
             std::mem::swap(points, &mut trial);
             std::mem::swap(&mut gradient, &mut trial_gradient);
             here = there;
         }
         Ok(here)
+    }
+
+    /// Computes the next step, tangent and nowhere longer than `reach`, and returns its product with
+    /// the gradient.
+    fn step_into<P: ManifoldPoint>(
+        self,
+        memory: &Memory<P>,
+        points: &[P],
+        gradient: &[P],
+        step: &mut Vec<P>,
+    ) -> f64 {
+        memory.direction_into(gradient, self, step);
+        let [slope] = by_parts(step, |range, step| {
+            for (d, &p) in step.iter_mut().zip(&points[range.clone()]) {
+                *d = P::tangent(*d, p).clamp_length_max(self.reach);
+            }
+            [dot(&gradient[range], step)]
+        });
+        slope
     }
 }
 
@@ -158,27 +182,50 @@ fn shortening(here: f64, there: f64, slope: f64) -> f64 {
     if minimum > 0.1 { minimum.min(0.5) } else { 0.1 }
 }
 
-/// Projects vectors onto the tangent planes.
-fn project<P: ManifoldPoint>(points: &[P], vectors: &mut [P]) {
-    for (v, p) in vectors.iter_mut().zip(points) {
-        *v = P::tangent(*v, *p);
-    }
-}
-
-/// Shortens vectors longer than `reach`.
-fn limit<P: Vector>(vectors: &mut [P], reach: f64) {
-    for v in vectors {
-        *v = v.clamp_length_max(reach);
-    }
+/// Projects vectors onto the tangent planes; returns the sum of their squares.
+fn project<P: ManifoldPoint>(points: &[P], vectors: &mut [P]) -> f64 {
+    let [square] = by_parts(vectors, |range, vectors| {
+        for (v, p) in vectors.iter_mut().zip(&points[range]) {
+            *v = P::tangent(*v, *p);
+        }
+        [dot(vectors, vectors)]
+    });
+    square
 }
 
 fn dot<P: Vector>(a: &[P], b: &[P]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// The latest steps s and changes of the gradient y with s.y > 0, oldest first.
+/// Calls `change` for parts of the vectors and their range among all; returns the sums of what it
+/// returns.
+fn by_parts<P: Send, const K: usize>(
+    vectors: &mut [P],
+    change: impl Fn(Range<usize>, &mut [P]) -> [f64; K] + Sync,
+) -> [f64; K] {
+    if vectors.len() <= PART {
+        return change(0..vectors.len(), vectors);
+    }
+    let parts = vectors.par_chunks_mut(PART).enumerate();
+    let sums = parts.map(|(i, part)| change(i * PART..i * PART + part.len(), part));
+    let sums: Vec<[f64; K]> = sums.collect();
+    std::array::from_fn(|k| sums.iter().map(|sums| sums[k]).sum())
+}
+
+/// A step s and the change of the gradient y along it.
+#[derive(Default)]
+struct Pair<P> {
+    step: Vec<P>,
+    change: Vec<P>,
+    /// `s.y`.
+    curvature: f64,
+    /// `y.y`.
+    squared_change: f64,
+}
+
+/// The latest steps with s.y > 0, oldest first.
 struct Memory<P> {
-    pairs: VecDeque<(Vec<P>, Vec<P>, f64)>,
+    pairs: VecDeque<Pair<P>>,
 }
 
 impl<P: ManifoldPoint> Memory<P> {
@@ -190,48 +237,74 @@ impl<P: ManifoldPoint> Memory<P> {
     }
 
     fn remember(&mut self, from: &[P], to: &[P], before: &[P], after: &[P]) {
-        let (mut step, mut change, _) =
-            if self.pairs.len() == MEMORY { self.pairs.pop_front() } else { None }
-                .unwrap_or_default();
-        step.clear();
-        change.clear();
-        step.extend(from.iter().zip(to).map(|(&a, &b)| P::tangent(b - a, b)));
-        let gradients = before.iter().zip(after);
-        change.extend(gradients.zip(to).map(|((&a, &b), &at)| b - P::tangent(a, at)));
-        let curvature = dot(&step, &change);
-        if curvature > f64::EPSILON * dot(&change, &change).sqrt() * dot(&step, &step).sqrt() {
-            self.pairs.push_back((step, change, curvature));
+        let oldest = if self.pairs.len() == MEMORY { self.pairs.pop_front() } else { None };
+        let (mut step, mut change) = oldest.map_or_else(Default::default, |p| (p.step, p.change));
+        step.resize(to.len(), P::ZERO);
+        change.resize(to.len(), P::ZERO);
+        let [squared_step] = by_parts(&mut step, |range, step| {
+            for (s, (&a, &b)) in step.iter_mut().zip(from[range.clone()].iter().zip(&to[range])) {
+                *s = P::tangent(b - a, b);
+            }
+            [dot(step, step)]
+        });
+        let [curvature, squared_change] = by_parts(&mut change, |range, change| {
+            let gradients = before[range.clone()].iter().zip(&after[range.clone()]);
+            for (y, ((&a, &b), &at)) in change.iter_mut().zip(gradients.zip(&to[range.clone()])) {
+                *y = b - P::tangent(a, at);
+            }
+            [dot(&step[range], change), dot(change, change)]
+        });
+        if curvature > f64::EPSILON * squared_change.sqrt() * squared_step.sqrt() {
+            self.pairs.push_back(Pair { step, change, curvature, squared_change });
         }
     }
 
     /// Computes minus the approximate inverse Hessian times the gradient by the two-loop recursion
-    /// of Nocedal 1980.
+    /// of Nocedal 1980. Each pass over the vectors adds one term and takes the product with the
+    /// next.
     fn direction_into(&self, gradient: &[P], descent: Descent, direction: &mut Vec<P>) {
-        direction.clear();
-        direction.extend(gradient.iter().map(|g| -*g));
-        let add = |to: &mut [P], c: f64, v: &[P]| {
-            to.iter_mut().zip(v).for_each(|(d, v)| *d += *v * c);
-        };
-        let mut parts = [0.0; MEMORY];
-        for ((step, change, curvature), part) in self.pairs.iter().zip(&mut parts).rev() {
-            *part = dot(step, direction) / curvature;
-            add(direction, -*part, change);
-        }
         let known = self.pairs.back().filter(|_| descent.is_adaptive);
-        let scale = known.map_or(descent.scale, |(_, y, curvature)| curvature / dot(y, y));
-        if scale.to_bits() != f64::to_bits(1.0) {
-            direction.iter_mut().for_each(|d| *d = *d * scale);
+        let scale = known.map_or(descent.scale, |pair| pair.curvature / pair.squared_change);
+        direction.clear();
+        direction.extend_from_slice(gradient);
+        let Some(last) = self.pairs.len().checked_sub(1) else {
+            direction.iter_mut().for_each(|d| *d = -*d * scale);
+            return;
+        };
+        // Replaces d by (d + c v) scale; returns its product with `next`.
+        let mut add = |c: f64, v: &[P], scale: f64, next: &[P]| {
+            let [product] = by_parts(direction, |range, direction| {
+                let mut product = 0.0;
+                let vectors = v[range.clone()].iter().zip(&next[range]);
+                for (d, (&v, &next)) in direction.iter_mut().zip(vectors) {
+                    *d = (*d + v * c) * scale;
+                    product += next.dot(*d);
+                }
+                [product]
+            });
+            product
+        };
+        let mut product = add(0.0, gradient, -1.0, &self.pairs[last].step);
+        let mut parts = [0.0; MEMORY];
+        for k in (1..=last).rev() {
+            let Pair { change, curvature, .. } = &self.pairs[k];
+            parts[k] = product / curvature;
+            product = add(-parts[k], change, 1.0, &self.pairs[k - 1].step);
         }
-        for ((step, change, curvature), part) in self.pairs.iter().zip(parts) {
-            let corrected = part - dot(change, direction) / curvature;
-            add(direction, corrected, step);
+        let Pair { change, curvature, .. } = &self.pairs[0];
+        parts[0] = product / curvature;
+        product = add(-parts[0], change, scale, change);
+        for (k, Pair { step, curvature, .. }) in self.pairs.iter().enumerate() {
+            let corrected = parts[k] - product / curvature;
+            let next = &self.pairs[(k + 1).min(last)].change;
+            product = add(corrected, step, 1.0, next);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, Descent, Objective};
+    use super::{DVec3, Descent, Objective, PART, by_parts, dot};
 
     /// The same quadratic form, with these axes, on every sphere.
     struct Form(DVec3);
@@ -274,5 +347,46 @@ mod tests {
             descent(true).run(&mut points, &mut Form(DVec3::NAN), &|| Ok(())).unwrap().is_nan()
         );
         assert_eq!(points, start);
+    }
+
+    /// Many points are divided into parts. The steps are those of few points in every place, and
+    /// bit-identical for any number of threads.
+    #[test]
+    fn parts_are_independent_of_the_number_of_threads() {
+        let some = [(1.0, 2.0, 0.1), (-0.3, 0.2, -0.9), (0.5, 0.5, 0.5)]
+            .map(|(x, y, z)| DVec3::new(x, y, z).normalize());
+        let many: Vec<DVec3> = some.into_iter().cycle().take(3 * PART - 3).collect();
+        let run = |points: &[DVec3], iterations| {
+            let mut points = points.to_vec();
+            let mut form = Form(DVec3::new(3.0, 1.0, 0.25));
+            let descent = Descent { iterations, ..descent(true) };
+            let minimum = descent.run(&mut points, &mut form, &|| Ok(())).unwrap();
+            (points, minimum)
+        };
+        let mut previous: Option<(Vec<DVec3>, f64)> = None;
+        for threads in [1, 2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let got = pool.install(|| run(&many, 8));
+            let (few, minimum) = run(&some, 8);
+            for (got, expected) in got.0.iter().zip(few.iter().cycle()) {
+                assert!(got.distance(*expected) < 1e-9, "{got} instead of {expected}");
+            }
+            let off = got.1 / (minimum * (PART - 1) as f64) - 1.0;
+            assert!(off.abs() < 1e-9, "{off:e}");
+            assert!(previous.is_none_or(|previous| previous == got), "{threads} threads");
+            previous = Some(got);
+        }
+
+        let mut vectors = many.clone();
+        let [sum, count] = by_parts(&mut vectors, |range, part| {
+            assert!(range.len() == part.len() && part == &many[range.clone()]);
+            part.iter_mut().for_each(|v| *v = -*v);
+            [dot(part, &many[range]), part.len() as f64]
+        });
+        assert!(
+            (sum + count).abs() < 1e-6 && (count - many.len() as f64).abs() < 0.5,
+            "{sum} {count}"
+        );
+        assert!(vectors.iter().zip(&many).all(|(a, b)| *a == -*b));
     }
 }
