@@ -2,6 +2,7 @@
 
 mod definition;
 mod hard;
+mod riesz;
 mod subjects;
 
 use std::sync::Arc;
@@ -40,6 +41,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         let reference = Arc::new(Reference::by_direct_sums(&pattern, large));
         trials.extend(ACCURACIES.map(|accuracy| trial(&reference, Some(accuracy))));
     }
+    trials.extend(riesz::trials(large));
     trials
 }
 

@@ -4,6 +4,7 @@
 //! definition in twice the working precision.
 
 mod definition;
+mod dense_rings;
 mod hard;
 mod input;
 mod plan;
@@ -16,6 +17,7 @@ pub(crate) use definition::{Complex, Definition};
 pub(crate) use hard::hard_cases;
 
 use crate::{Area, Effort, Trial};
+use dense_rings::DenseRings;
 use input::Input;
 use plan::Accuracy;
 use subjects::{ToCoefficients, ToValues};
@@ -43,7 +45,28 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let synthesis = inputs.iter().take(1).flat_map(|input| {
         accuracies().map(|accuracy| synthesis_trial(Arc::clone(input), accuracy))
     });
-    adjoint.chain(synthesis).collect()
+    let (pairs, lmax) = match effort {
+        Effort::Quick => (2000, 127),
+        Effort::Full => (20_000, 1000),
+    };
+    let rings = Arc::new(Input::pairs(pairs, lmax, 4));
+    adjoint.chain(synthesis).chain([dense_rings_trial(rings)]).collect()
+}
+
+/// The values on rings are powers of phases, whose errors are like those of the exact transform;
+/// the interpolation adds 1e-14.
+fn dense_rings_trial(input: Arc<Input>) -> Trial {
+    Trial {
+        area: Area::Transforms,
+        method: format!("dense rings to coefficients, {}", input.size()),
+        case: input.name().to_owned(),
+        count: input.points().len() as f64,
+        unit: "rings",
+        relative_to: "the norm of all coefficients",
+        bound: Accuracy::Exact.bound_all_over(input.lmax()) + 1e-14,
+        reference: "definition in twice the precision, at some orders",
+        subject: Box::new(DenseRings::new(input)),
+    }
 }
 
 fn adjoint_trial(input: Arc<Input>, accuracy: Accuracy) -> Trial {

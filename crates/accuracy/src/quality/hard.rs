@@ -3,6 +3,7 @@ use sphvar_samplers::{Domain, Pattern, PointSet, Purpose, Streams};
 use sphvar_spectrum::quality::PairSums;
 
 use super::definition::measures;
+use super::riesz;
 use super::subjects::{push_errors, sums};
 use crate::{Errors, HardCase};
 
@@ -18,7 +19,9 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         reason: "the requested accuracy of fast sums, which direct ones exceed",
         measure,
     };
+    let [energies] = riesz::hard_cases();
     vec![
+        energies,
         case("measures_of_one_point", || {
             of_sets(&[("", vec![DVec3::new(0.6, 0.0, -0.8)], vec![])])
         }),

@@ -62,6 +62,15 @@ impl Input {
         Self::new("weighted white noise, mirrored", points, Some(weights), lmax, parts)
     }
 
+    /// Returns northern points, each followed by a point at its reflection in the equator and another
+    /// longitude, with weights between 1/2 and 3/2.
+    pub(super) fn pairs(n: usize, lmax: usize, parts: usize) -> Self {
+        let pair = |p: &DVec3| [p.with_z(p.z.abs()), DVec3::new(p.y, p.x, -p.z.abs())];
+        let points: Vec<DVec3> = points::white_noise(n).iter().flat_map(pair).collect();
+        let weights = points::white_noise(points.len()).iter().map(|p| 1.0 + 0.5 * p.z).collect();
+        Self::new("pairs of reflected rings", points, Some(weights), lmax, parts)
+    }
+
     /// Returns any set; with `parts` of at least `lmax + 1` all coefficients are compared.
     pub(super) fn new(
         name: &'static str,

@@ -1,4 +1,5 @@
 hard_cases! {
+    riesz_energies_of_clusters_and_close_pairs,
     measures_of_one_point,
     measures_of_two_points,
     measures_of_repeated_and_antipodal_points,
