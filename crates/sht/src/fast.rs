@@ -79,6 +79,12 @@ impl FastWorkspace {
     pub fn parallel() -> Self {
         Self { threads: Threads::Pool, ..Self::default() }
     }
+
+    /// Sets whether the next transforms run on all threads, as with [`Self::parallel`], or on the
+    /// caller's. The buffers are kept.
+    pub fn set_parallel(&mut self, is_parallel: bool) {
+        self.threads = if is_parallel { Threads::Pool } else { Threads::Caller };
+    }
 }
 
 impl FastTransform {

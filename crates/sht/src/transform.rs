@@ -104,6 +104,12 @@ impl TransformWorkspace {
     pub fn parallel() -> Self {
         Self { fast: FastWorkspace::parallel(), ..Self::default() }
     }
+
+    /// Sets whether the next transforms run on all threads, as with [`Self::parallel`], or on the
+    /// caller's. The buffers are kept.
+    pub fn set_parallel(&mut self, is_parallel: bool) {
+        self.fast.set_parallel(is_parallel);
+    }
 }
 
 impl Transform {

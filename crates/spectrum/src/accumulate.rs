@@ -7,7 +7,8 @@ use sphvar_samplers::{Ensemble, PointSet, Progress, Stopped};
 use sphvar_sh::{Alm, Domain};
 use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
-use crate::{Accumulator, Error, Realization, SpectralBands};
+use crate::workspaces::Stock;
+use crate::{Accumulator, Error, Realization, SpectralBands, Workspaces};
 
 /// Maximum degree and method of a spectrum estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,9 +77,26 @@ pub fn accumulate<A: Accumulator>(
     empty: &A,
     progress: &dyn Progress,
 ) -> Result<A, Error> {
+    accumulate_with(&Workspaces::default(), sets, resolution, indices, empty, progress)
+}
+
+/// Returns the result of [`accumulate`], with buffers that are kept for other calls.
+///
+/// # Errors
+///
+/// The errors of [`accumulate`].
+pub fn accumulate_with<A: Accumulator>(
+    workspaces: &Workspaces,
+    sets: &dyn Ensemble,
+    resolution: Resolution,
+    indices: Range<u64>,
+    empty: &A,
+    progress: &dyn Progress,
+) -> Result<A, Error> {
     let Resolution { lmax, n_points, method, epsilon } = resolution;
     let transform = Transform::new(method, lmax, n_points, epsilon)?;
-    accumulate_by(&OnSphere { transform, resolution }, sets, indices, empty, progress)
+    let transform = OnSphere { transform, resolution };
+    accumulate_by(&transform, &workspaces.sphere, sets, indices, empty, progress)
 }
 
 /// The transform of directions with its cost.
@@ -95,8 +113,8 @@ impl SetTransform for OnSphere {
         Ok(Alm::zeros(self.resolution.lmax)?)
     }
 
-    fn lone_workspace(&self) -> TransformWorkspace {
-        TransformWorkspace::parallel()
+    fn prepare(&self, workspace: &mut TransformWorkspace, is_lone: bool) {
+        workspace.set_parallel(is_lone);
     }
 
     fn run(
@@ -131,10 +149,9 @@ pub(crate) trait SetTransform: Sync {
     /// Returns coefficients of 0.
     fn zeros(&self) -> Result<<Self::Bands as SpectralBands>::Coefficients, Error>;
 
-    /// Returns buffers for transforms that run one at a time, and may each use all threads.
-    fn lone_workspace(&self) -> Self::Workspace {
-        Self::Workspace::default()
-    }
+    /// Prepares buffers, which other transforms may have used, for transforms that run beside others or,
+    /// if `is_lone`, one at a time, when each may use all threads.
+    fn prepare(&self, workspace: &mut Self::Workspace, is_lone: bool);
 
     /// Replaces `out` by the coefficients of the sets.
     fn run(
@@ -148,20 +165,21 @@ pub(crate) trait SetTransform: Sync {
     fn work(&self, n_points: usize) -> f64;
 }
 
-/// Accumulates the sets with the given indices as [`accumulate`] does, by any transform.
+/// Accumulates the sets with the given indices as [`accumulate_with`] does, by any transform.
 pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
     transform: &T,
+    stock: &Stock<T::Workspace>,
     sets: &dyn Ensemble<<T::Bands as SpectralBands>::Point>,
     indices: Range<u64>,
     empty: &A,
     progress: &dyn Progress,
 ) -> Result<A, Error> {
     let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
-    let begin = || Worker::<T, A> {
-        sets: Vec::new(),
-        workspace: if n_batches > 1 { T::Workspace::default() } else { transform.lone_workspace() },
-        coefficients: Vec::new(),
-        accumulator: empty.clone(),
+    let begin = || {
+        let mut workspace = stock.take();
+        transform.prepare(&mut workspace, n_batches <= 1);
+        let accumulator = empty.clone();
+        Worker::<T, A> { sets: Vec::new(), workspace, coefficients: Vec::new(), accumulator }
     };
     // After a stop, no further batch is started.
     let is_stopped = AtomicBool::new(false);
@@ -182,7 +200,11 @@ pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
     let finished = (0..n_batches)
         .into_par_iter()
         .fold(|| Ok(begin()), step)
-        .map(|worker| Ok(worker?.accumulator));
+        .map(|worker| {
+            let Worker { workspace, accumulator, .. } = worker?;
+            stock.put(workspace);
+            Ok(accumulator)
+        });
     let merge = |a: Result<A, Error>, b: Result<A, Error>| {
         let mut a = a?;
         a.merge(&b?);

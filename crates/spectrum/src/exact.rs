@@ -16,7 +16,7 @@ use sphvar_samplers::{
 use sphvar_sh::{ByParity, LmIndex};
 use sphvar_sht::Method;
 
-use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, Workspaces, accumulate_with};
 use partition::Partition;
 pub use strata_quadrature::StrataQuadrature;
 
@@ -97,6 +97,20 @@ impl<'a> ExactSpectrum<'a> {
     /// [`Error::Transform`] if `lmax` is out of range; [`Error::Sampler`] if the set cannot be
     /// generated or `progress` stops the work.
     pub fn to(&self, lmax: usize, progress: &dyn Progress) -> Result<Spectrum, Error> {
+        self.to_with(&Workspaces::default(), lmax, progress)
+    }
+
+    /// Returns the result of [`Self::to`], with buffers that are kept for other calls.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Self::to`].
+    pub fn to_with(
+        &self,
+        workspaces: &Workspaces,
+        lmax: usize,
+        progress: &dyn Progress,
+    ) -> Result<Spectrum, Error> {
         // The degree is validated here for all kinds.
         LmIndex::new(lmax)?;
         let (domain, n_points) = (self.sampler.domain(), self.sampler.n_points());
@@ -109,9 +123,9 @@ impl<'a> ExactSpectrum<'a> {
                     Realizations::unrotated(self.sampler, Streams::new(0, Purpose::Pattern, 0));
                 let mut set = PointSet::default();
                 one.realize_into(0, &mut set, progress)?;
-                return self.of_sets(&[set], lmax, progress);
+                return self.of_sets(workspaces, &[set], lmax, progress);
             }
-            Kind::Sets(sets) => return self.of_sets(sets, lmax, progress),
+            Kind::Sets(sets) => return self.of_sets(workspaces, sets, lmax, progress),
         };
         // Random points coincide with probability 0.
         Ok(Spectrum::exact(domain, n_points, power).with_tail(ByParity::both(1.0)))
@@ -148,6 +162,7 @@ impl<'a> ExactSpectrum<'a> {
     /// under rotations.
     fn of_sets(
         &self,
+        workspaces: &Workspaces,
         sets: &[PointSet],
         lmax: usize,
         progress: &dyn Progress,
@@ -156,7 +171,7 @@ impl<'a> ExactSpectrum<'a> {
         let resolution = Resolution { epsilon: EPSILON, ..Resolution::new(lmax, n_points) };
         let empty = SpectrumAccumulator::new(self.sampler.domain(), n_points, lmax);
         let all = 0..sets.len() as u64;
-        let mean = accumulate(&sets, resolution, all, &empty, progress)?.finish()?;
+        let mean = accumulate_with(workspaces, &sets, resolution, all, &empty, progress)?.finish()?;
         let n_effective = mean.n_effective();
         let spectrum = Spectrum::exact(self.sampler.domain(), n_points, mean.power().to_vec());
         Ok(spectrum.with_tail(mean.tail()).with_n_effective(n_effective))

@@ -60,8 +60,9 @@ mod rotations;
 mod spectral_bands;
 mod spectrum;
 mod square;
+mod workspaces;
 
-pub use accumulate::{Resolution, accumulate};
+pub use accumulate::{Resolution, accumulate, accumulate_with};
 pub use accumulator::Accumulator;
 pub use anisotropy::Anisotropy;
 pub use blocks::{BlockSums, BlockTotal, BlockTransform};
@@ -95,8 +96,10 @@ pub use sphvar_sht::{
 };
 pub use square::{
     AxisRatio, AxisRatioAccumulator, ExactSquareSpectrum, RadialAccumulator, RadialSpectrum,
-    SquareResolution, accumulate_square, estimate_square, frequency_grid, square_tail_power,
+    SquareResolution, accumulate_square, accumulate_square_with, estimate_square, frequency_grid,
+    square_tail_power,
 };
+pub use workspaces::Workspaces;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

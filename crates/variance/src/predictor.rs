@@ -8,7 +8,7 @@ use std::collections::btree_map::Entry;
 
 use sphvar_samplers::{Domain, Ensemble, Progress, Purpose, Streams};
 use sphvar_sh::{Bands, TailClasses};
-use sphvar_spectrum::Spectrum;
+use sphvar_spectrum::{Spectrum, Workspaces};
 
 use crate::route::Route;
 use crate::space::IntegrationSpace;
@@ -48,6 +48,8 @@ pub struct PredictorOn<'a, S: IntegrationSpace> {
     on_energies: &'a dyn Fn(usize),
     /// Whether predictions have spectra, or only their band 0.
     has_spectra: bool,
+    /// Buffers of the transforms of all predictions.
+    workspaces: Workspaces,
 }
 
 impl<S: IntegrationSpace> std::fmt::Debug for PredictorOn<'_, S> {
@@ -80,6 +82,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
             kurtosis: OnceCell::new(),
             on_energies: &|_| (),
             has_spectra: true,
+            workspaces: Workspaces::default(),
         })
     }
 
@@ -107,6 +110,10 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
     #[must_use]
     pub fn on_energies(self, on_energies: &'a dyn Fn(usize)) -> Self {
         Self { on_energies, ..self }
+    }
+
+    pub(crate) fn workspaces(&self) -> &Workspaces {
+        &self.workspaces
     }
 
     pub(crate) fn options(&self) -> &SpectrumOptions {
@@ -200,16 +207,16 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         point: &PredictedPoint<S::Bands>,
         extent: &S::Extent,
     ) -> Result<Spectrum<S::Bands>, Error> {
-        let size = (S::n_points(sampler), extent);
+        let (size, workspaces) = ((S::n_points(sampler), extent), &self.workspaces);
         let sums = |sets: &dyn Ensemble<S::Point>, count: u64| {
             let empty = (self.space.empty_spectrum(size.0, extent)?, Vec::new());
-            Ok::<_, Error>(
-                S::accumulate(sets, &self.options, size, 0..count, &empty, &())?.0.finish()?,
-            )
+            let options = &self.options;
+            let sums = S::accumulate(workspaces, sets, options, size, 0..count, &empty, &())?;
+            Ok::<_, Error>(sums.0.finish()?)
         };
         match Route::of::<S>(&self.options, self.budget, sampler, extent) {
             Route::Flat => self.space.flat_spectrum(size.0, extent),
-            Route::Exact(exact) => S::exact_spectrum(&exact, extent, &()),
+            Route::Exact(exact) => S::exact_spectrum(workspaces, &exact, extent, &()),
             Route::All(sets) => Ok(sums(&sets, sets.len() as u64)?.into_exact()),
             Route::Sampled => {
                 let sets = self.realizations(Purpose::Pattern, sampler);

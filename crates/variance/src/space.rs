@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use sphvar_integrands::Energy;
 use sphvar_samplers::{Ensemble, PointSet, Progress, Space, Streams};
-use sphvar_spectrum::{SpectralBands, Spectrum, SpectrumAccumulator};
+use sphvar_spectrum::{SpectralBands, Spectrum, SpectrumAccumulator, Workspaces};
 
 use crate::predictor::Sums;
 use crate::{Error, PredictionBudget, PredictorOn, SpectrumOptions};
@@ -116,6 +116,7 @@ pub trait IntegrationSpace: Space {
     ///
     /// Returns the errors of the closed form, and an error if `progress` stops the work.
     fn exact_spectrum(
+        workspaces: &Workspaces,
         exact: &Self::Exact<'_>,
         extent: &Self::Extent,
         progress: &dyn Progress,
@@ -152,6 +153,7 @@ pub trait IntegrationSpace: Space {
     ///
     /// Returns the errors of sampler and transform, and an error if `progress` stops the work.
     fn accumulate(
+        workspaces: &Workspaces,
         sets: &dyn Ensemble<Self::Point>,
         options: &SpectrumOptions,
         size: (usize, &Self::Extent),

@@ -5,7 +5,7 @@ use sphvar_sh::Frequencies;
 
 use super::transform::SquareTransform;
 use crate::accumulate::accumulate_by;
-use crate::{Accumulator, Error, Spectrum, SpectrumAccumulator, SquareResolution};
+use crate::{Accumulator, Error, Spectrum, SpectrumAccumulator, SquareResolution, Workspaces};
 
 /// Transforms the sets of points of the square with the given indices and accumulates them into a
 /// copy of `empty`, in parallel over the sets, as [`accumulate`](crate::accumulate) does on the
@@ -39,7 +39,24 @@ pub fn accumulate_square<A: Accumulator<Frequencies>>(
     empty: &A,
     progress: &dyn Progress,
 ) -> Result<A, Error> {
-    accumulate_by(&SquareTransform::new(resolution)?, sets, indices, empty, progress)
+    accumulate_square_with(&Workspaces::default(), sets, resolution, indices, empty, progress)
+}
+
+/// Returns the result of [`accumulate_square`], with buffers that are kept for other calls.
+///
+/// # Errors
+///
+/// The errors of [`accumulate_square`].
+pub fn accumulate_square_with<A: Accumulator<Frequencies>>(
+    workspaces: &Workspaces,
+    sets: &dyn Ensemble<[f64; 2]>,
+    resolution: &SquareResolution,
+    indices: Range<u64>,
+    empty: &A,
+    progress: &dyn Progress,
+) -> Result<A, Error> {
+    let transform = SquareTransform::new(resolution)?;
+    accumulate_by(&transform, &workspaces.square, sets, indices, empty, progress)
 }
 
 /// Returns the mean spectrum of a sampler of the square, over `realizations` sets. Ticks `progress`

@@ -8,10 +8,10 @@ use sphvar_samplers::{
 };
 use sphvar_sh::{ByAxis, Frequencies, TailClasses};
 
-use super::transform::{SquareTransform, SquareWorkspace};
+use super::transform::SquareTransform;
 use crate::accumulate::SetTransform;
 use crate::exact::EPSILON;
-use crate::{Error, Realization, Spectrum, SquareResolution};
+use crate::{Error, Realization, Spectrum, SquareResolution, Workspaces};
 
 /// Number of given sets whose powers are computed together.
 const BATCH: usize = 16;
@@ -89,6 +89,20 @@ impl<'a> ExactSquareSpectrum<'a> {
         frequencies: &Frequencies,
         progress: &dyn Progress,
     ) -> Result<Spectrum<Frequencies>, Error> {
+        self.to_with(&Workspaces::default(), frequencies, progress)
+    }
+
+    /// Returns the result of [`Self::to`], with buffers that are kept for other calls.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Self::to`].
+    pub fn to_with(
+        &self,
+        workspaces: &Workspaces,
+        frequencies: &Frequencies,
+        progress: &dyn Progress,
+    ) -> Result<Spectrum<Frequencies>, Error> {
         let of_bands = |f: &dyn Fn([i32; 2]) -> f64| {
             let power = (0..frequencies.len()).map(|band| f(frequencies.frequency(band)));
             Spectrum::exact(frequencies.clone(), self.sampler.n_points(), power.collect())
@@ -111,9 +125,9 @@ impl<'a> ExactSquareSpectrum<'a> {
                 let mut set = PointSet::default();
                 SquareRealizations::unshifted(self.sampler, streams)
                     .realize_into(0, &mut set, progress)?;
-                self.of_sets(&[set], frequencies, progress)?
+                self.of_sets(workspaces, &[set], frequencies, progress)?
             }
-            Kind::Sets(sets) => self.of_sets(sets, frequencies, progress)?,
+            Kind::Sets(sets) => self.of_sets(workspaces, sets, frequencies, progress)?,
         })
     }
 
@@ -151,6 +165,7 @@ impl<'a> ExactSquareSpectrum<'a> {
     /// under shifts.
     fn of_sets(
         &self,
+        workspaces: &Workspaces,
         sets: &[PointSet<[f64; 2]>],
         frequencies: &Frequencies,
         progress: &dyn Progress,
@@ -162,7 +177,10 @@ impl<'a> ExactSquareSpectrum<'a> {
             set.normalize_weights();
             let mut coefficients: [Vec<Complex<f64>>; 1] = [transform.zeros()?];
             let sets = std::slice::from_ref(&set);
-            transform.run(sets, &mut SquareWorkspace::default(), &mut coefficients)?;
+            let mut workspace = workspaces.square.take();
+            transform.prepare(&mut workspace, sets.len() == 1);
+            transform.run(sets, &mut workspace, &mut coefficients)?;
+            workspaces.square.put(workspace);
             let realization = Realization::<Frequencies>::new(0, &set, &coefficients[0]);
             progress.tick(resolution.nominal_work(set.len()))?;
             Ok((realization.n_effective(), realization.power().collect(), realization.tail()))

@@ -12,8 +12,9 @@ mod transform;
 
 pub use axis_ratio::{AxisRatio, AxisRatioAccumulator};
 pub use coincidence::square_tail_power;
-pub use estimate::{accumulate_square, estimate_square};
+pub use estimate::{accumulate_square, accumulate_square_with, estimate_square};
 pub use exact::ExactSquareSpectrum;
 pub use frequency_grid::frequency_grid;
 pub use radial::{RadialAccumulator, RadialSpectrum};
 pub use transform::SquareResolution;
+pub(crate) use transform::SquareWorkspace;

@@ -94,8 +94,9 @@ pub(super) struct SquareTransform {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct SquareWorkspace {
+pub(crate) struct SquareWorkspace {
     plane: TorusWorkspace,
+    /// Of the largest frequency of the current transform.
     coefficients: Option<TorusCoefficients>,
     axes: CircleWorkspace,
     coordinates: Vec<f64>,
@@ -169,6 +170,11 @@ impl SetTransform for SquareTransform {
 
     fn zeros(&self) -> Result<Vec<Complex<f64>>, Error> {
         Ok(vec![Complex::default(); self.resolution.frequencies.len()])
+    }
+
+    fn prepare(&self, workspace: &mut SquareWorkspace, _is_lone: bool) {
+        let kmax = self.resolution.frequencies.kmax();
+        workspace.coefficients.take_if(|coefficients| coefficients.kmax() != kmax);
     }
 
     fn run(

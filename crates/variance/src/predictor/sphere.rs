@@ -70,7 +70,17 @@ impl<'a> Predictor<'a> {
         let n_points = sampler.n_points();
         let empty = (self.space().empty_spectrum(n_points, &lmax)?, Vec::new());
         let size = (n_points, &lmax);
-        Ok(Domain::accumulate(&sets, self.options(), size, realizations, &empty, progress)?.0)
+        let (options, workspaces) = (self.options(), self.workspaces());
+        let sums = Domain::accumulate(
+            workspaces,
+            &sets,
+            options,
+            size,
+            realizations,
+            &empty,
+            progress,
+        )?;
+        Ok(sums.0)
     }
 
     /// Returns the domain of the integral.

@@ -136,9 +136,10 @@ pub(crate) fn sums(
         let empty = accumulators(&mut group, n_points, extent)?;
         let Some(first) = group.first() else { continue };
         let sets = first.realizations(Purpose::Pattern, sampler);
-        let (options, size) = (first.options, (n_points, extent));
+        let (workspaces, options, size) = (&first.workspaces, &first.options, (n_points, extent));
+        let range = realizations.clone();
         let (spectrum, predictions) =
-            Domain::accumulate(&sets, &options, size, realizations.clone(), &empty, progress)?;
+            Domain::accumulate(workspaces, &sets, options, size, range, &empty, progress)?;
         let moments = predictions.into_iter().map(PredictionAccumulator::into_sums);
         sums.push((spectrum, moments.collect()));
     }
@@ -197,7 +198,7 @@ fn to_extent<S: IntegrationSpace>(
             Ok(predictors.iter().map(point).collect())
         }
         Route::Exact(exact) => {
-            let spectrum = S::exact_spectrum(&exact, extent, progress)?;
+            let spectrum = S::exact_spectrum(&first.workspaces, &exact, extent, progress)?;
             let point = |p: &mut &mut PredictorOn<'_, S>| {
                 let prediction = predict_from(&spectrum, p.energies_to(extent)?);
                 Ok(PredictedPoint { spectrum: shown(&spectrum), prediction })
@@ -206,13 +207,16 @@ fn to_extent<S: IntegrationSpace>(
         }
         Route::All(sets) => {
             let empty = accumulators(predictors, n_points, extent)?;
-            let all = 0..sets.len() as u64;
-            exactly(&S::accumulate(&sets, &options, (n_points, extent), all, &empty, progress)?)
+            let (all, size) = (0..sets.len() as u64, (n_points, extent));
+            let workspaces = &predictors[0].workspaces;
+            exactly(&S::accumulate(workspaces, &sets, &options, size, all, &empty, progress)?)
         }
         Route::Sampled if !S::distribution(sampler).is_random() => {
             let empty = accumulators(predictors, n_points, extent)?;
-            let sets = predictors[0].realizations(Purpose::Pattern, sampler);
-            exactly(&S::accumulate(&sets, &options, (n_points, extent), 0..1, &empty, progress)?)
+            let (first, size) = (&*predictors[0], (n_points, extent));
+            let sets = first.realizations(Purpose::Pattern, sampler);
+            let workspaces = &first.workspaces;
+            exactly(&S::accumulate(workspaces, &sets, &options, size, 0..1, &empty, progress)?)
         }
         Route::Sampled => estimate(predictors, budget, sampler, extent, progress),
     }
@@ -264,14 +268,15 @@ fn estimate<S: IntegrationSpace>(
     let mut sum = accumulators(predictors, n_points, extent)?;
     let Some(predictor) = predictors.first() else { return Ok(Vec::new()) };
     let max = predictor.max_realizations(budget, sampler, extent);
-    let (options, size) = (predictor.options, (n_points, extent));
-    let sets = predictor.realizations(Purpose::Pattern, sampler);
+    let (options, size) = (&predictor.options, (n_points, extent));
+    let (workspaces, sets) = (&predictor.workspaces, predictor.realizations(Purpose::Pattern, sampler));
     let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
     let empty = sum.clone();
     let mut count = 0;
     let mut next = predictor.options.realizations.unwrap_or(FIRST.min(max));
     loop {
-        sum.merge(&S::accumulate(&sets, &options, size, count..next, &empty, progress)?);
+        let range = count..next;
+        sum.merge(&S::accumulate(workspaces, &sets, options, size, range, &empty, progress)?);
         count = next;
         for ((point, one), predictor) in points.iter_mut().zip(&sum.1).zip(&*predictors) {
             if point.is_some() {
@@ -313,7 +318,8 @@ pub(crate) fn predict_from_sets<S: IntegrationSpace>(
 ) -> Result<Prediction, Error> {
     let empty = accumulators(&mut [predictor], n_points, extent)?;
     let (all, size) = (0..sets.len() as u64, (n_points, extent));
-    let sums = S::accumulate(&sets, &predictor.options, size, all, &empty, progress)?;
+    let (workspaces, options) = (&predictor.workspaces, &predictor.options);
+    let sums = S::accumulate(workspaces, &sets, options, size, all, &empty, progress)?;
     Ok(sums.1[0].finish())
 }
 

@@ -8,7 +8,9 @@ use sphvar_samplers::{
     Domain, Ensemble, PointSet, Progress, Realizations, Sampler, SetDistribution, Streams,
 };
 use sphvar_sh::{LmIndex, MAX_DEGREE};
-use sphvar_spectrum::{ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_spectrum::{
+    ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, Workspaces, accumulate_with,
+};
 
 use super::{Distribution, IntegrationSpace, check_given};
 use crate::energy_levels::{degrees_of, level};
@@ -133,11 +135,12 @@ impl IntegrationSpace for Domain {
     }
 
     fn exact_spectrum(
+        workspaces: &Workspaces,
         exact: &ExactSpectrum<'_>,
         lmax: &usize,
         progress: &dyn Progress,
     ) -> Result<Spectrum, Error> {
-        Ok(exact.to(*lmax, progress)?)
+        Ok(exact.to_with(workspaces, *lmax, progress)?)
     }
 
     fn exact_work(exact: &ExactSpectrum<'_>, lmax: &usize) -> f64 {
@@ -155,6 +158,7 @@ impl IntegrationSpace for Domain {
     }
 
     fn accumulate(
+        workspaces: &Workspaces,
         sets: &dyn Ensemble,
         options: &SpectrumOptions,
         (n_points, lmax): (usize, &usize),
@@ -164,7 +168,7 @@ impl IntegrationSpace for Domain {
     ) -> Result<Sums<Self>, Error> {
         let SpectrumOptions { method, epsilon, .. } = *options;
         let resolution = Resolution { lmax: *lmax, n_points, method, epsilon };
-        Ok(accumulate(sets, resolution, indices, empty, progress)?)
+        Ok(accumulate_with(workspaces, sets, resolution, indices, empty, progress)?)
     }
 
     fn outline(self, integrand: &dyn Integrand) -> Result<Energy, Error> {

@@ -9,7 +9,8 @@ use sphvar_samplers::{
 };
 use sphvar_sh::{Bands, Frequencies};
 use sphvar_spectrum::{
-    ExactSquareSpectrum, Spectrum, SpectrumAccumulator, SquareResolution, accumulate_square,
+    ExactSquareSpectrum, Spectrum, SpectrumAccumulator, SquareResolution, Workspaces,
+    accumulate_square_with,
 };
 
 use super::frequencies::{prediction_frequencies, unresolved};
@@ -163,11 +164,12 @@ impl IntegrationSpace for Square {
     }
 
     fn exact_spectrum(
+        workspaces: &Workspaces,
         exact: &ExactSquareSpectrum<'_>,
         frequencies: &Frequencies,
         progress: &dyn Progress,
     ) -> Result<Spectrum<Frequencies>, Error> {
-        Ok(exact.to(frequencies, progress)?)
+        Ok(exact.to_with(workspaces, frequencies, progress)?)
     }
 
     fn exact_work(exact: &ExactSquareSpectrum<'_>, frequencies: &Frequencies) -> f64 {
@@ -195,6 +197,7 @@ impl IntegrationSpace for Square {
     }
 
     fn accumulate(
+        workspaces: &Workspaces,
         sets: &dyn Ensemble<[f64; 2]>,
         options: &SpectrumOptions,
         (_, frequencies): (usize, &Frequencies),
@@ -204,7 +207,7 @@ impl IntegrationSpace for Square {
     ) -> Result<Sums<Frequencies>, Error> {
         let (frequencies, epsilon) = (frequencies.clone(), options.epsilon);
         let resolution = SquareResolution { frequencies, epsilon };
-        Ok(accumulate_square(sets, &resolution, indices, empty, progress)?)
+        Ok(accumulate_square_with(workspaces, sets, &resolution, indices, empty, progress)?)
     }
 
     fn outline(self, integrand: &dyn SquareIntegrand) -> Result<Energy<Frequencies>, Error> {
