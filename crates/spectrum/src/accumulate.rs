@@ -197,14 +197,11 @@ pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
         worker.process(sets, transform, batch, progress).inspect_err(stop)?;
         Ok(worker)
     };
-    let finished = (0..n_batches)
-        .into_par_iter()
-        .fold(|| Ok(begin()), step)
-        .map(|worker| {
-            let Worker { workspace, accumulator, .. } = worker?;
-            stock.put(workspace);
-            Ok(accumulator)
-        });
+    let finished = (0..n_batches).into_par_iter().fold(|| Ok(begin()), step).map(|worker| {
+        let Worker { workspace, accumulator, .. } = worker?;
+        stock.put(workspace);
+        Ok(accumulator)
+    });
     let merge = |a: Result<A, Error>, b: Result<A, Error>| {
         let mut a = a?;
         a.merge(&b?);

@@ -171,7 +171,8 @@ impl<'a> ExactSpectrum<'a> {
         let resolution = Resolution { epsilon: EPSILON, ..Resolution::new(lmax, n_points) };
         let empty = SpectrumAccumulator::new(self.sampler.domain(), n_points, lmax);
         let all = 0..sets.len() as u64;
-        let mean = accumulate_with(workspaces, &sets, resolution, all, &empty, progress)?.finish()?;
+        let mean =
+            accumulate_with(workspaces, &sets, resolution, all, &empty, progress)?.finish()?;
         let n_effective = mean.n_effective();
         let spectrum = Spectrum::exact(self.sampler.domain(), n_points, mean.power().to_vec());
         Ok(spectrum.with_tail(mean.tail()).with_n_effective(n_effective))

@@ -181,19 +181,18 @@ fn around<F: Clone, C: CurvePredictor<F> + ?Sized>(
     // A count above the budget is used only if the pattern has none below.
     let at = largest_count_to(&|n| predictor.nearest_count(&pattern, n), n)
         .unwrap_or_else(|| predictor.nearest_count(&pattern, n));
-    if curve.at(at).is_none() {
-        curve.insert(predictor.predict_at(&pattern, at, budget, progress)?);
+    if curve.at(at).is_none() || curve.is_preliminary(at) {
+        curve.predict_within(predictor, budget, at, progress)?;
     }
     let rough = budget.rough();
     let affordable = affordable(rough, predictor.budget().rough());
     for n in [n / 4, n / 2] {
         let n = predictor.nearest_count(&pattern, n);
         // A count that the pattern rejects is left out of the curve.
-        if curve.at(n).is_none()
-            && predictor.is_affordable_at(&pattern, n, affordable).unwrap_or(false)
-        {
-            match predictor.predict_at(&pattern, n, rough, progress) {
-                Ok(point) => curve.insert(point),
+        let is_needed = curve.at(n).is_none() || curve.is_preliminary(n);
+        if is_needed && predictor.is_affordable_at(&pattern, n, affordable).unwrap_or(false) {
+            match curve.predict_within(predictor, rough, n, progress) {
+                Ok(()) => curve.mark_preliminary(n),
                 Err(error) => ignore_unsupported_count(&error)?,
             }
         }

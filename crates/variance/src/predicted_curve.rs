@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use sphvar_samplers::{Pattern, Progress};
 
 use crate::{
@@ -11,13 +13,15 @@ pub struct PredictedCurve<F = Pattern, P = PredictedPoint> {
     pattern: F,
     /// Sorted by number of points, which are distinct.
     points: Vec<P>,
+    /// The numbers of points whose prediction is less precise than the answer that it led to.
+    preliminary: BTreeSet<usize>,
 }
 
 impl<F, P: PredictedVariance> PredictedCurve<F, P> {
     /// Returns a curve without points.
     #[must_use]
     pub fn new(pattern: F) -> Self {
-        Self { pattern, points: Vec::new() }
+        Self { pattern, points: Vec::new(), preliminary: BTreeSet::new() }
     }
 
     /// Returns the pattern.
@@ -39,7 +43,7 @@ impl<F, P: PredictedVariance> PredictedCurve<F, P> {
         found.ok().map(|i| &self.points[i])
     }
 
-    /// Returns the point at a number of points, and predicts it if it is not present. Work is
+    /// Returns the point at a number of points, and predicts it if it is not present or preliminary. Work is
     /// ticked as in [`PredictorOn::predict`](crate::PredictorOn::predict).
     ///
     /// # Errors
@@ -53,43 +57,62 @@ impl<F, P: PredictedVariance> PredictedCurve<F, P> {
     ) -> Result<&P, Error> {
         let found = self.points.binary_search_by_key(&n_points, P::n_points);
         let at = match found {
-            Ok(at) => at,
-            Err(at) => {
+            Ok(at) if !self.is_preliminary(n_points) => at,
+            Ok(at) | Err(at) => {
                 let budget = predictor.budget();
-                let point = predictor.predict_at(&self.pattern, n_points, budget, progress)?;
-                self.points.insert(at, point);
+                self.predict_within(predictor, budget, n_points, progress)?;
                 at
             }
         };
         Ok(&self.points[at])
     }
 
+    /// Predicts the variance at a number of points within a budget, unless the point at that number is known to
+    /// be the same prediction.
+    pub(crate) fn predict_within<C: CurvePredictor<F, Point = P> + ?Sized>(
+        &mut self,
+        predictor: &mut C,
+        budget: PredictionBudget,
+        n_points: usize,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        if let Some(point) = self.at(n_points)
+            && predictor.is_repeated_by(&self.pattern, point, budget)?
+        {
+            self.preliminary.remove(&n_points);
+            return Ok(());
+        }
+        let point = predictor.predict_at(&self.pattern, n_points, budget, progress)?;
+        self.insert(point);
+        Ok(())
+    }
+
+    /// Returns whether the point at a number of points is less precise than an answer must be.
+    pub(crate) fn is_preliminary(&self, n_points: usize) -> bool {
+        self.preliminary.contains(&n_points)
+    }
+
+    /// Marks the point at a number of points as less precise than an answer must be.
+    pub(crate) fn mark_preliminary(&mut self, n_points: usize) {
+        self.preliminary.insert(n_points);
+    }
+
     /// Inserts a point that was predicted before, replacing any at its number of points.
     pub fn insert(&mut self, point: P) {
+        self.preliminary.remove(&point.n_points());
         match self.points.binary_search_by_key(&point.n_points(), P::n_points) {
             Ok(at) => self.points[at] = point,
             Err(at) => self.points.insert(at, point),
         }
     }
 
-    /// Returns the curve with those points only that predictions within a budget would repeat.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`CurvePredictor::is_repeated_by`].
-    pub fn repeated_by<C: CurvePredictor<F, Point = P> + ?Sized>(
-        mut self,
-        predictor: &mut C,
-        budget: PredictionBudget,
-    ) -> Result<Self, Error> {
-        let mut points = Vec::new();
-        for point in self.points {
-            if predictor.is_repeated_by(&self.pattern, &point, budget)? {
-                points.push(point);
-            }
-        }
-        self.points = points;
-        Ok(self)
+    /// Returns the curve for predictions of a higher precision by the same predictor: its points only show
+    /// which numbers of points clearly suffice or do not, and are predicted again where an answer needs more
+    /// and the prediction would differ.
+    #[must_use]
+    pub fn into_preliminary(mut self) -> Self {
+        self.preliminary = self.points.iter().map(P::n_points).collect();
+        self
     }
 
     /// Returns the points with a variance above 0, for fits and crossovers.

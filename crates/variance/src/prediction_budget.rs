@@ -64,10 +64,14 @@ impl PredictionBudget {
         affordable.clamp(Self::MIN_REALIZATIONS, Self::MAX_REALIZATIONS)
     }
 
-    /// Returns whether the spectrum of a random pattern with a closed form is computed from it
-    /// rather than from realizations.
-    pub(crate) fn is_exact(n_points: usize, lmax: usize) -> bool {
-        n_points <= Self::MAX_EXACT_STRATA && lmax <= 2 * Resolution::natural_degree(n_points)
+    /// Returns whether the spectrum of a random pattern with a closed form of a nominal work is computed from
+    /// it rather than from realizations: within the default budget for up to 4096 strata, within a smaller one
+    /// if it takes at most four times its work.
+    pub(crate) fn is_exact(&self, n_points: usize, lmax: usize, work: f64) -> bool {
+        const MAX_FACTOR: f64 = 4.0;
+        n_points <= Self::MAX_EXACT_STRATA
+            && lmax <= 2 * Resolution::natural_degree(n_points)
+            && (self.work >= Self::DEFAULT.work || work <= MAX_FACTOR * self.work)
     }
 }
 

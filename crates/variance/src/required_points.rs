@@ -50,8 +50,10 @@ impl RequiredPoints {
 /// Work is ticked as in [`PredictorOn::predict`](crate::PredictorOn::predict).
 ///
 /// The valid counts nearest to 1, 2, 4, 8, ... are tried until one suffices and the next one does
-/// too. A pattern that is not random needs two more that suffice, since its variance may rise
-/// again; the last one is predicted less precisely where that is decisive. Numbers are tried only while they are affordable, and only if they are not ruled out by
+/// too. A random pattern does not need the next one if the first suffices clearly, by a factor of 1.5, and a
+/// coarse prediction of the next one, with a 64th of the predictor's work, is not affordable. A pattern that is
+/// not random needs two more that suffice, since its variance may rise again. Numbers beyond the first are predicted less precisely where that is decisive. Points of the curve that are
+/// [preliminary](PredictedCurve::into_preliminary) are used where they are decisive. Numbers are tried only while they are affordable, and only if they are not ruled out by
 /// energy that is spread over many degrees beyond 4 sqrt(N), where random patterns have at least
 /// half of white noise's power ([`Predictor::broad_variance`](crate::Predictor::broad_variance)). The interval between the last
 /// insufficient number and the next one is refined by interpolation in log N and log Var: to the
@@ -116,20 +118,23 @@ pub fn required_points_within<F: Clone, C: CurvePredictor<F> + ?Sized>(
     let rough = BTreeSet::new();
     let mut search = Search { predictor, curve, budget, variance, progress, rough };
     let climb = search.climb(max_points)?;
-    match climb.enough {
-        Some(enough) => search.predicted(climb.too_few, enough),
-        None if climb.is_cut_short => search.extrapolate(climb.too_few, max_points),
-        None => Ok(RequiredPoints::OutOfReach),
-    }
+    let required = match climb.enough {
+        Some(enough) => search.predicted(climb.too_few, enough)?,
+        None if climb.is_cut_short => search.extrapolate(climb.too_few, max_points)?,
+        None => RequiredPoints::OutOfReach,
+    };
+    search.mark_rough();
+    Ok(required)
 }
 
 /// Returns whether predictions show that a pattern needs more than `max_points` points for a variance:
-/// [`required_points_within`] a budget would find none. It takes two predictions, of `max_points` and
-/// of half as many points, instead of one for each power of 2; they are added to the curve.
+/// [`required_points_within`] a budget would find none. It takes one prediction, of `max_points`, for a random
+/// pattern, whose variance falls with the number of points, otherwise also one of half as many points, instead
+/// of one for each power of 2; they are added to the curve.
 ///
-/// Returns false where this is not clear: the variance of one of them does not exceed the requested
-/// one clearly, or is unknown because its prediction is not affordable or the pattern does not support that
-/// number.
+/// Returns false where this is not clear: the variance of a pattern that is not random does not exceed the
+/// requested one clearly, or the variance is unknown because its prediction is not affordable or the pattern does
+/// not support that number.
 ///
 /// # Errors
 ///
@@ -145,26 +150,19 @@ pub fn needs_more_points<F: Clone, C: CurvePredictor<F> + ?Sized>(
     let variance = variance * (1.0 + ROUNDING);
     let rough = BTreeSet::new();
     let mut search = Search { predictor, curve, budget, variance, progress, rough };
-    for n in [max_points, max_points / 2] {
-        let n = search.predictor.nearest_count(&pattern, n);
-        if n > max_points {
-            return Ok(false);
-        }
-        if search.predictor.is_ruled_out(&pattern, n, variance)? {
-            continue;
-        }
-        if !search.is_affordable(n).unwrap_or(false) {
-            return Ok(false);
-        }
-        if let Err(error) = search.predict_within(budget.rough(), n) {
-            ignore_unsupported_count(&error)?;
-            return Ok(false);
-        }
-        if !search.is_clear(n) || search.suffices_at(n) {
-            return Ok(false);
+    let max = search.predictor.nearest_count(&pattern, max_points);
+    let is_random = search.predictor.is_random_at(&pattern, max);
+    let counts = if is_random { &[max_points][..] } else { &[max_points, max_points / 2] };
+    let mut is_enough = false;
+    for n in counts {
+        let n = search.predictor.nearest_count(&pattern, *n);
+        is_enough = n > max_points || search.may_suffice(n)?;
+        if is_enough {
+            break;
         }
     }
-    Ok(true)
+    search.mark_rough();
+    Ok(!is_enough)
 }
 
 /// A rough prediction that is an estimate decides only if its variance differs from the requested one
@@ -208,6 +206,8 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
         let pattern = self.curve.pattern().clone();
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut rejection = None;
+        // The numbers beyond the first one that suffices.
+        let mut further = 0;
         let candidate_counts =
             candidate_counts(&|n| self.predictor.nearest_count(&pattern, n), max_points);
         // The lower bound falls with N: if it rules out the largest number, it rules out all.
@@ -222,6 +222,13 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
                 climb.too_few = Some(n);
                 continue;
             }
+            // A random pattern needs the next number only for its rate.
+            if is_random
+                && climb.enough.is_some_and(|enough| self.is_clear(enough))
+                && !self.is_inexpensive(n).unwrap_or(false)
+            {
+                break;
+            }
             match self.is_affordable(n) {
                 Ok(true) => {}
                 Ok(false) => {
@@ -231,13 +238,11 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
                 // The prediction itself returns this error.
                 Err(_) => {}
             }
-            // The rate near the answer does not need the last number.
-            let last = climb.enough.is_some_and(|enough| n >= enough.saturating_mul(4));
-            let first = if last { self.budget.rough().rough() } else { self.budget.rough() };
+            let rough = self.budget.rough();
+            let first = if climb.enough.is_some() { rough.rough() } else { rough };
             match self.suffices_by(n, first) {
-                Ok(true) => {
-                    climb.enough.get_or_insert(n);
-                }
+                Ok(true) if climb.enough.is_some() => further += 1,
+                Ok(true) => (climb.enough, further) = (Some(n), 0),
                 Ok(false) => climb = Climb { too_few: Some(n), enough: None, ..climb },
                 Err(error) => {
                     ignore_unsupported_count(&error)?;
@@ -249,9 +254,6 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
                     rejection = Some(error);
                 }
             }
-            let further = climb.enough.map_or(0, |min_points| {
-                self.curve.points().iter().filter(|p| p.n_points() > min_points).count()
-            });
             if climb.enough.is_some() && further >= if is_random { 1 } else { 2 } {
                 break;
             }
@@ -273,6 +275,7 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
             None => enough,
         };
         self.predict_precisely(n_points)?;
+        self.predict_for_rate(n_points)?;
         let tried = self.curve.points().iter().rev().map(C::Point::n_points);
         let too_few = tried.filter(|&n| n < n_points).find(|&n| !self.suffices_at(n));
         Ok(RequiredPoints::Predicted { n_points, too_few })
@@ -293,7 +296,11 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
             if !is_exact && enough as f64 <= (1.0 + self.budget.relative) * too_few as f64 {
                 return Ok(enough);
             }
-            let wanted = self.between(too_few, enough, halve);
+            let mut wanted = self.between(too_few, enough, halve);
+            if !is_exact {
+                let [low, high] = self.limits(too_few, enough);
+                wanted = wanted.min(high).max(low);
+            }
             let valid = |n: usize| self.predictor.nearest_count(&pattern, n);
             let Some(n) = count_between(&valid, too_few, enough, wanted) else {
                 return Ok(enough);
@@ -332,6 +339,18 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
         n.ceil() as usize
     }
 
+    /// Returns the numbers between which the next one is tried. They differ from the ends by half of the precision
+    /// of the answer: nearer numbers, to which interpolation leads, would hardly narrow the interval.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "numbers near two numbers of points"
+    )]
+    fn limits(&self, too_few: usize, enough: usize) -> [usize; 2] {
+        let factor = 1.0 + 0.5 * self.budget.relative;
+        [(factor * too_few as f64) as usize, (enough as f64 / factor).ceil() as usize]
+    }
+
     /// Returns whether a number suffices, from a rough prediction if that is decisive.
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
         self.suffices_by(n_points, self.budget.rough())
@@ -341,7 +360,9 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
     /// decisive, or else from a rough one.
     fn suffices_by(&mut self, n_points: usize, first: PredictionBudget) -> Result<bool, Error> {
         let rough = self.budget.rough();
-        if self.curve.at(n_points).is_none() {
+        if self.curve.at(n_points).is_none()
+            || self.curve.is_preliminary(n_points) && !self.is_clear(n_points)
+        {
             self.predict_within(first, n_points)?;
             self.rough.insert(n_points);
             if first != rough && !self.is_clear(n_points) {
@@ -366,22 +387,64 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
         })
     }
 
-    /// Replaces a rough prediction by one with the whole budget.
+    /// Returns whether a pattern may reach the variance with a number of points: the contrary is
+    /// known for one that is not random only if it is clear, because its variance with other numbers may be less.
+    fn may_suffice(&mut self, n_points: usize) -> Result<bool, Error> {
+        let pattern = self.curve.pattern().clone();
+        if self.predictor.is_ruled_out(&pattern, n_points, self.variance)? {
+            return Ok(false);
+        }
+        if !self.is_affordable(n_points).unwrap_or(false) {
+            return Ok(true);
+        }
+        let suffices = match self.suffices(n_points) {
+            Ok(suffices) => suffices,
+            Err(error) => {
+                ignore_unsupported_count(&error)?;
+                return Ok(true);
+            }
+        };
+        let is_random = self.predictor.is_random_at(&pattern, n_points);
+        Ok(suffices || !is_random && !self.is_clear(n_points))
+    }
+
+    /// Replaces a rough or preliminary prediction by one with the whole budget.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
-        if self.rough.remove(&n_points)
-            && let Some(point) = self.curve.at(n_points)
-            && !self.predictor.is_repeated_by(self.curve.pattern(), point, self.budget)?
-        {
+        if self.rough.remove(&n_points) || self.curve.is_preliminary(n_points) {
             self.predict_within(self.budget, n_points)?;
         }
         Ok(())
     }
 
-    fn predict_within(&mut self, budget: PredictionBudget, n_points: usize) -> Result<(), Error> {
-        let pattern = self.curve.pattern();
-        let point = self.predictor.predict_at(pattern, n_points, budget, self.progress)?;
-        self.curve.insert(point);
+    /// Replaces preliminary predictions from which the rate at an answer follows by rough ones. The rate does not
+    /// need more of numbers beyond the answer.
+    fn predict_for_rate(&mut self, n_points: usize) -> Result<(), Error> {
+        let near = self.curve.points().iter().map(C::Point::n_points);
+        let near: Vec<usize> = near.filter(|n| (n_points / 4..n_points).contains(n)).collect();
+        for n in near {
+            self.predict_roughly(n)?;
+        }
         Ok(())
+    }
+
+    /// Replaces a preliminary prediction by a rough one.
+    fn predict_roughly(&mut self, n_points: usize) -> Result<(), Error> {
+        if self.curve.is_preliminary(n_points) {
+            self.predict_within(self.budget.rough(), n_points)?;
+            self.rough.insert(n_points);
+        }
+        Ok(())
+    }
+
+    /// Marks rough predictions on the curve for later searches.
+    fn mark_rough(&mut self) {
+        for n in std::mem::take(&mut self.rough) {
+            self.curve.mark_preliminary(n);
+        }
+    }
+
+    fn predict_within(&mut self, budget: PredictionBudget, n_points: usize) -> Result<(), Error> {
+        self.curve.predict_within(self.predictor, budget, n_points, self.progress)
     }
 
     fn suffices_at(&self, n_points: usize) -> bool {
@@ -405,7 +468,7 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
             }
             for n in [last, last / 2, last / 4] {
                 let n = self.predictor.nearest_count(&pattern, n);
-                if let Err(error) = self.suffices(n) {
+                if let Err(error) = self.predict_roughly(n).and_then(|()| self.suffices(n)) {
                     ignore_unsupported_count(&error)?;
                 }
             }
@@ -427,6 +490,12 @@ impl<F: Clone, C: CurvePredictor<F> + ?Sized> Search<'_, F, C> {
 
     fn is_affordable(&mut self, n_points: usize) -> Result<bool, Error> {
         let budget = affordable(self.budget, self.predictor.budget());
+        self.predictor.is_affordable_at(self.curve.pattern(), n_points, budget)
+    }
+
+    /// Returns whether a prediction takes no more than the work of a coarse one.
+    fn is_inexpensive(&mut self, n_points: usize) -> Result<bool, Error> {
+        let budget = self.predictor.budget().rough().rough();
         self.predictor.is_affordable_at(self.curve.pattern(), n_points, budget)
     }
 

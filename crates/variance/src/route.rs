@@ -32,7 +32,7 @@ impl<'a, P, E> Route<'a, P, E> {
                 let are_few = is_left_open && sets.len() as u64 <= max;
                 if are_few { Self::All(sets) } else { Self::Sampled }
             }
-            _ => S::exact(options, sampler, extent).map_or(Self::Sampled, Self::Exact),
+            _ => S::exact(options, budget, sampler, extent).map_or(Self::Sampled, Self::Exact),
         }
     }
 }

@@ -106,6 +106,7 @@ pub trait IntegrationSpace: Space {
     /// estimated.
     fn exact<'s>(
         options: &SpectrumOptions,
+        budget: PredictionBudget,
         sampler: Self::SamplerRef<'s>,
         extent: &Self::Extent,
     ) -> Option<Self::Exact<'s>>;

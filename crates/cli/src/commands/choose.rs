@@ -50,7 +50,7 @@ rotations of the pattern, or shifts of a pattern of the square. Predictions come
 of all others those that may be within 10 % of the best, are predicted until the variance is \
 known to 2 %, where that is affordable (the error may be larger for patterns mapped to densities), with the results of variance and compare. \
 The others are predicted to about 18 %, or more precisely until they are known to be further behind. Predictions that serve only to fit rates are \
-known to about 6 %. Rows whose variance is not known to 25 % are recommended only where no other is. \
+known to about 6 %, those of more points than the answer to about 18 %. Rows whose variance is not known to 25 % are recommended only where no other is. \
 With --error, expensive and warped patterns are not tried with more than 4 times the points of the best; with -n, expensive ones not at all \
 where a warped pattern has less than a quarter of the variance of all inexpensive patterns of the sphere, or where four sets take more than \
 about a second. \

@@ -71,15 +71,8 @@ impl<'a> Predictor<'a> {
         let empty = (self.space().empty_spectrum(n_points, &lmax)?, Vec::new());
         let size = (n_points, &lmax);
         let (options, workspaces) = (self.options(), self.workspaces());
-        let sums = Domain::accumulate(
-            workspaces,
-            &sets,
-            options,
-            size,
-            realizations,
-            &empty,
-            progress,
-        )?;
+        let sums =
+            Domain::accumulate(workspaces, &sets, options, size, realizations, &empty, progress)?;
         Ok(sums.0)
     }
 

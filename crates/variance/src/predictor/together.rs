@@ -269,7 +269,8 @@ fn estimate<S: IntegrationSpace>(
     let Some(predictor) = predictors.first() else { return Ok(Vec::new()) };
     let max = predictor.max_realizations(budget, sampler, extent);
     let (options, size) = (&predictor.options, (n_points, extent));
-    let (workspaces, sets) = (&predictor.workspaces, predictor.realizations(Purpose::Pattern, sampler));
+    let (workspaces, sets) =
+        (&predictor.workspaces, predictor.realizations(Purpose::Pattern, sampler));
     let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
     let empty = sum.clone();
     let mut count = 0;

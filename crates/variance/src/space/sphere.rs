@@ -120,18 +120,21 @@ impl IntegrationSpace for Domain {
 
     fn exact<'s>(
         options: &SpectrumOptions,
+        budget: PredictionBudget,
         sampler: Self::SamplerRef<'s>,
         lmax: &usize,
     ) -> Option<ExactSpectrum<'s>> {
+        let exact = ExactSpectrum::of(sampler)?;
         let is_chosen = if let SetDistribution::SphericalEnsemble = sampler.distribution() {
             // A product of l factors is free at any N, and realizations are expensive.
             options.realizations.is_none()
         } else if sampler.is_random() {
-            options.realizations.is_none() && PredictionBudget::is_exact(sampler.n_points(), *lmax)
+            let work = exact.work(*lmax);
+            options.realizations.is_none() && budget.is_exact(sampler.n_points(), *lmax, work)
         } else {
             options.is_default_transform()
         };
-        ExactSpectrum::of(sampler).filter(|_| is_chosen)
+        is_chosen.then_some(exact)
     }
 
     fn exact_spectrum(

@@ -152,6 +152,7 @@ impl IntegrationSpace for Square {
 
     fn exact<'s>(
         options: &SpectrumOptions,
+        _: PredictionBudget,
         sampler: Self::SamplerRef<'s>,
         _: &Frequencies,
     ) -> Option<ExactSquareSpectrum<'s>> {

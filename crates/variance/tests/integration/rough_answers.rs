@@ -3,7 +3,8 @@
 use sphvar_integrands::{Cap, Harmonic, Integrand, VonMisesFisher};
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_variance::{
-    Candidate, CurvePredictor, Goal, PredictedCurve, PredictionBudget, Predictor,
+    Candidate, CurvePredictor, Goal, PredictedCurve, PredictionBudget, Predictor, RequiredPoints,
+    needs_more_points, required_points,
 };
 
 /// Patterns of each kind: independent, strata in closed form, lattices with a few and many degrees,
@@ -79,4 +80,54 @@ fn coarse_answers_are_within_their_errors() {
             assert!((a - b).abs() <= limit, "{name}: {a} +- {da}, {b} +- {db}");
         }
     }
+}
+
+/// An answer from a curve with coarse predictions, of which some were made to rule the pattern out, is as precise as
+/// one without them: its prediction is that of the budget, and the number of points differs by at most the
+/// precision to which both are known, or for patterns with few valid counts not at all.
+#[test]
+fn preliminary_predictions_do_not_decide_precise_answers() {
+    let budget = PredictionBudget { relative: 0.02, work: 2e5 };
+    let coarse = budget.rough().rough();
+    let mut answers = 0;
+    for integrand in integrands().into_iter().step_by(2) {
+        let mut predictor = Predictor::new(&*integrand, Domain::Sphere, 1, budget).unwrap();
+        // Without those of which every set is optimized.
+        for name in &PATTERNS[..6] {
+            let pattern: Pattern = name.parse().unwrap();
+            let variance = predictor.white_variance(150);
+            let range = (variance, 200);
+            let mut curve = PredictedCurve::new(pattern.clone());
+            let alone =
+                required_points(&mut predictor, &mut curve, variance, range.1, &()).unwrap();
+            let mut curve = PredictedCurve::new(pattern.clone());
+            let is_behind =
+                needs_more_points(coarse, &mut predictor, &mut curve, range, &()).unwrap();
+            assert!(!is_behind || alone.n_points().is_none(), "{name}: {alone:?}");
+            for budget in [coarse, budget.rough()] {
+                let goal = Goal::Variance { variance, max_points: range.1 };
+                let found =
+                    Candidate::with_curve_within(curve, goal, budget, &mut predictor, &()).unwrap();
+                curve = found.curve.into_preliminary();
+            }
+            let got = required_points(&mut predictor, &mut curve, variance, range.1, &()).unwrap();
+            let (RequiredPoints::Predicted { n_points, .. }, Some(expected)) =
+                (got, alone.n_points())
+            else {
+                assert_eq!(got.n_points(), alone.n_points(), "{name}");
+                continue;
+            };
+            let direct = predictor.predict_at(&pattern, n_points, budget, &()).unwrap();
+            assert_eq!(curve.at(n_points), Some(&direct), "{name}");
+            let (a, b) = (n_points as f64, expected as f64);
+            // A lattice may suffice at numbers that only one of the searches tried.
+            let limit = if *name == "fibonacci" { 0.1 } else { 3.0 * budget.relative };
+            assert!(
+                (a / b).ln().abs() <= limit || n_points.abs_diff(expected) <= 1,
+                "{name}: {a} {b}"
+            );
+            answers += 1;
+        }
+    }
+    assert!(answers > 8, "{answers}");
 }

@@ -72,10 +72,9 @@ pub(super) const CLEAR: (f64, f64) = (1.5, 4.0);
 
 impl<P: Choosable> TimedCandidate<P> {
     /// Returns the pattern unchanged. If `best`, the number of points of the best pattern, is given,
-    /// an expensive or warped one is tried with at most four times as many. Predictions on the curve that
-    /// would only be repeated are kept.
+    /// an expensive or warped one is tried with at most four times as many.
     pub(super) fn new(
-        curve: PredictedCurve<P, P::Point>,
+        mut curve: PredictedCurve<P, P::Point>,
         best: Option<usize>,
         question: &Question,
         predictor: &mut P::Predictor<'_>,
@@ -87,10 +86,8 @@ impl<P: Choosable> TimedCandidate<P> {
         let is_limited =
             P::IS_LIMITED || P::nominal_work(curve.pattern(), needed) >= EXPENSIVE * needed as f64;
         let budget = precision.budget(predictor.budget());
-        let curve = curve.repeated_by(predictor, budget).map_err(CliError::failed)?;
         if needed < max_points && is_limited {
             if let Goal::Variance { variance, .. } = question.goal(needed) {
-                let mut curve = PredictedCurve::new(curve.pattern().clone());
                 let range = (variance, needed);
                 if needs_more_points(budget, predictor, &mut curve, range, &())? {
                     return Ok(Self::behind(curve, precision));

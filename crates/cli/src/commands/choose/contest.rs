@@ -59,10 +59,22 @@ impl<'a> Contest<'a> {
     ) -> Option<TimedCandidate<P>> {
         let first = self.rows.len();
         let mut candidate = self.survey(pattern, predictor, &white)?;
-        while candidate.may_compete(&self.question, self.best_merit(first)) {
+        while self.may_compete(first, &candidate) {
             self.refine(first, &mut candidate, predictor, &white);
         }
         Some(candidate)
+    }
+
+    /// Returns whether a better prediction may place a candidate, whose row has an index, among those that
+    /// compete with the best one. Rows whose density is the integrand are not recommended, so that they do not
+    /// compete.
+    pub(super) fn may_compete<P: Choosable>(
+        &self,
+        index: usize,
+        candidate: &TimedCandidate<P>,
+    ) -> bool {
+        let is_known = self.rows.get(index).is_some_and(|row| row.known_to.is_some());
+        !is_known && candidate.may_compete(&self.question, self.best_merit(index))
     }
 
     /// Adds a pattern as [`Self::add`] does, from coarse predictions unless the user named it, and with
@@ -113,7 +125,7 @@ impl<'a> Contest<'a> {
         predictor: &mut P::Predictor<'p>,
         white: impl Fn(&P::Predictor<'p>, usize) -> f64,
     ) {
-        let curve = candidate.answer.curve.clone();
+        let curve = candidate.answer.curve.clone().into_preliminary();
         match self.answer(curve, predictor, candidate.precision.next()) {
             Ok(better) => *candidate = better,
             // What was predicted coarsely stays in the ranking even if it cannot be predicted better.
@@ -162,8 +174,7 @@ impl<'a> Contest<'a> {
             .rows
             .get(index)
             .is_some_and(|row| row.is_sure() && row.merit <= uniform.fold(f64::INFINITY, f64::min));
-        candidate.is_rough() && is_best
-            || candidate.may_compete(&self.question, self.best_merit(index))
+        candidate.is_rough() && is_best || self.may_compete(index, candidate)
     }
 
     /// Returns the variance of the best pattern of the sphere over that of the best sampler, if it is
