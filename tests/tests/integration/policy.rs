@@ -104,9 +104,9 @@ equal-area 3072: 3072 220 259 - fast
 spiral 12: 12 320 154 0 exact
 spiral 192: 192 520 58 0 exact
 spiral 3072: 3072 2200 4 - fast
-best-candidate 12: 115 32 8232 256 exact
-best-candidate 192: 29491 52 254 254 exact
-best-candidate 3072: 4085211 220 4 - fast beyond the budget
+best-candidate 12: 4800 32 1414 256 exact
+best-candidate 192: 76800 52 101 101 exact
+best-candidate 3072: 1228800 220 6 - fast
 leja 12: 36 320 154 0 exact
 leja 192: 9216 520 55 0 exact
 leja 3072: 2359296 2200 4 - fast

@@ -56,26 +56,6 @@ impl CubeGrid {
         Some(nearest)
     }
 
-    /// Appends those of `points`, which are the ones inserted, within a distance of `p`.
-    pub(crate) fn gather(&self, points: &[DVec3], p: DVec3, distance: f64, near: &mut Vec<DVec3>) {
-        let centre = self.cell(p);
-        let width = 2.0 / f64::from(self.cells_per_side);
-        for ring in 0..=self.cells_per_side {
-            // Points in this ring are farther than the full cells between.
-            if f64::from(ring - 1) * width > distance {
-                break;
-            }
-            let visited = self.visit_ring(centre, ring, |number| {
-                let point = points[number as usize];
-                if point.distance_squared(p) <= distance * distance {
-                    near.push(point);
-                }
-                true
-            });
-            debug_assert!(visited.is_some(), "no visit ends a ring");
-        }
-    }
-
     /// Calls `visit` for the points in cells at Chebyshev distance `ring` from `centre` until it
     /// returns false; returns `None` in that case.
     fn visit_ring(
@@ -142,14 +122,6 @@ mod tests {
                     assert_eq!(found(-1.0), Some(nearest), "{n} points, {p}");
                     assert_eq!(found(0.99 * nearest), Some(nearest), "{n} points, {p}");
                     assert_eq!(found(nearest), None, "{n} points, {p}");
-                    for distance in [0.0, 1.001 * nearest.sqrt(), 0.3, 2.1] {
-                        let mut gathered = Vec::new();
-                        grid.gather(&points, p, distance, &mut gathered);
-                        let is_near =
-                            |q: &&glam::DVec3| q.distance_squared(p) <= distance * distance;
-                        let expected = points.iter().filter(is_near).count();
-                        assert_eq!(gathered.len(), expected, "{n} points, {p}, {distance}");
-                    }
                 }
             }
         }
