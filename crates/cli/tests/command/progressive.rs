@@ -238,7 +238,7 @@ fn the_number_of_threads_does_not_matter() {
 #[test]
 fn an_interrupt_ends_long_work() {
     let place = Workplace::new();
-    let run = "progressive best-candidate -n 15000 --integrand env:data/city.exr -o errors.csv";
+    let run = "progressive leja -n 100000 --integrand env:data/city.exr -o errors.csv";
     let mut child = place.command(run).spawn().unwrap();
     sleep(Duration::from_millis(300));
     let start = Instant::now();
