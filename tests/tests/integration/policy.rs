@@ -104,9 +104,9 @@ equal-area 3072: 3072 220 259 - fast
 spiral 12: 12 320 154 0 exact
 spiral 192: 192 520 58 0 exact
 spiral 3072: 3072 2200 4 - fast
-best-candidate 12: 4800 32 1414 256 exact
-best-candidate 192: 76800 52 101 101 exact
-best-candidate 3072: 1228800 220 6 - fast
+best-candidate 12: 1282 32 3740 256 exact
+best-candidate 192: 35717 52 212 212 exact
+best-candidate 3072: 994990 220 7 - fast
 leja 12: 36 320 154 0 exact
 leja 192: 9216 520 55 0 exact
 leja 3072: 2359296 2200 4 - fast
