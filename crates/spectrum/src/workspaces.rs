@@ -19,7 +19,7 @@ use crate::square::SquareWorkspace;
 ///
 /// let workspaces = Workspaces::default();
 /// for n in [100, 200] {
-///     let fibonacci = Pattern::Fibonacci.build(n, Domain::Sphere)?;
+///     let fibonacci = Pattern::FIBONACCI.build(n, Domain::Sphere)?;
 ///     let spectrum = ExactSpectrum::of(&*fibonacci).expect("is always the same set");
 ///     assert_eq!(spectrum.to_with(&workspaces, 40, &())?, spectrum.to(40, &())?);
 /// }
